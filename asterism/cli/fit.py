@@ -65,7 +65,7 @@ def fit(
     from asterism.homogenize.law.law_file import load_law
     from asterism.homogenize.law.motif_law import MotifLaw
     from asterism.pattern.design.files import table_text
-    from asterism.print.profiles import load_printer
+    from asterism.print.printer import load_printer
     from asterism.reports.fit_page import write_fit
     from asterism.results.files import check_writable, write_file
 

@@ -61,7 +61,7 @@ def printers(run: Run) -> int:
     """
     from asterism.pattern.design.errors import DesignError
     from asterism.pattern.design.files import PROFILES_VARIABLE, own_folders
-    from asterism.print.profiles import load_plastic, load_printer, profile_names
+    from asterism.print.printer import load_plastic, load_printer, profile_names
 
     kinds: dict[str, Callable[[str], str]] = {
         "printers": lambda name: _of_printer(load_printer(name)),

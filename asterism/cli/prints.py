@@ -141,7 +141,7 @@ def compare(
     with run.computing():
         comparison = measure(shape, scan, units=units, view=view, trim=trim)
         files = write_comparison(comparison, directory)
-    run.table(comparison.rows, 22)
+    run.table(comparison.summary.table(), 22)
     run.files(directory, files)
     if not comparison.is_fit:
         percent = comparison.summary.rms_percent

@@ -45,9 +45,8 @@ def new(
     ] = None,
 ) -> None:
     """Write a test print: strips as STL and 3MF, start code, instructions, and a table to fill in."""
-    from asterism.measure.strips.new_strips import new_strips
-    from asterism.measure.strips.specimen import THICKNESSES_MM
-    from asterism.print.profiles import adjusted_printer, load_printer
+    from asterism.measure.strips.new_strips import THICKNESSES_MM, new_strips
+    from asterism.print.printer import adjusted_printer, load_printer
 
     thicknesses = tuple(thickness or THICKNESSES_MM)
     machine = adjusted_printer(load_printer(printer), plate=plate)
@@ -69,8 +68,8 @@ def new(
     table = quoted(output / "strips.csv")
     lie = ", half of them across the grain" if both_directions else ""
     other_layers = []
-    if written.star_layers_mm != written.layers_mm:
-        stars = "first {:g} mm, then {:g} mm".format(*written.star_layers_mm)
+    if written.layers_mm != (machine.first_layers_mm[0], machine.layer_mm):
+        stars = f"first {machine.first_layers_mm[0]:g} mm, then {machine.layer_mm:g} mm"
         option = f"--first-layer {first:g} --layer {others:g}"
         other_layers = [f"  stars are sliced in other layers ({stars}): export them with  {option}  for equal plastic"]
     run.lines(
@@ -136,7 +135,7 @@ def fit(
         flat_height_mm=flat_height,
     )
     name, picture, numbers = write_material(material, path)
-    run.table(material.rows)
+    run.table(material.summary.table())
     run.lines(f"  {line}" for line in [*material.left_out, *material.sentences])
     run.lines([f"{path.with_name(name)}: the material, for --material and asterism calibrate; {picture}, {numbers}"])
     if kept is not None:
@@ -160,7 +159,7 @@ def weigh(
     ] = False,
 ) -> None:
     """Compute Young's modulus of a fabric from a strip that hangs with a weight, for designs with gravity."""
-    from asterism.measure.fabric_modulus import fabric_modulus_mpa
+    from asterism.measure.fabric import fabric_modulus_mpa
 
     if not 1.0 <= before <= 1e4:
         raise Mistake(f"--before: must be from 1 to 10000 mm, not {before:g}")
@@ -186,7 +185,7 @@ def overhang(
     ] = None,
 ) -> None:
     """Compute the bending stiffness of a fabric from strips that hang over an edge (cantilever test)."""
-    from asterism.measure.overhang import bending_stiffness, read_overhangs, write_overhang_form
+    from asterism.measure.fabric import bending_stiffness, read_overhangs, write_overhang_form
     from asterism.pattern.design.errors import DesignError
 
     if form is not None:

@@ -12,6 +12,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 
@@ -35,37 +36,16 @@ PARTS = (1.0, 0.4)
 MIN_PROMISED_GAIN = 0.03
 
 
-@dataclass(frozen=True)
-class Correction:
-    """One exact shape on the way.
-
-    Attributes
-    ----------
-    mean_percent : its distance to the target, by the weights of the places, in % of the diameter.
-    step_mm : largest change of a length since the last shape that was kept; 0 for a first shape.
-    kept : whether it is nearer than those before.
-    """
-
-    mean_percent: float
-    step_mm: float
-    kept: bool
-
-
 @dataclass(eq=False)
 class ExactCorrection:
-    """Corrects the sizes of a search.
-
-    Parameters
-    ----------
-    search : after its fit by the preview.
-    distance_of : the distance of a shape to the target.
-    report : as of `exact_shape`.
+    """Corrects the sizes of a search after its fit by the preview.
 
     Attributes
     ----------
+    distance_of : the distance of a shape to the target.
     sizes, exact, distance : of the nearest exact shape: its sizes, itself, and its distance to the target; None before
         the first one.
-    done : all exact shapes, in their order.
+    done : all exact shapes in their order, as the `corrections` of a `FitRecord`.
     """
 
     search: FitSearch
@@ -74,19 +54,15 @@ class ExactCorrection:
     sizes: StarUnknowns | None = None
     exact: Shape | None = None
     distance: FitDistance | None = None
-    done: list[Correction] = field(default_factory=list)
+    done: list[dict[str, Any]] = field(default_factory=list)
     _previewed: Floats = field(default_factory=lambda: np.empty((0, 3)))  # places of the preview of its sizes
 
     def run(self, base: Design, rounds: int, shape: Shape | None = None) -> None:
-        """Correct the sizes on a design.
+        """Correct the sizes on a design without sizes, in so many rounds at most.
 
-        Parameters
-        ----------
-        base : design without its sizes. If it rounds thicknesses, only the lengths change, and they first make up for
-            the rounding.
-        rounds : largest number of corrections.
-        shape : exact shape of the present sizes to start from. By default the last one is followed, and the first one
-            is that which the flat print releases to.
+        If the design rounds thicknesses, only the lengths change, and they first make up for the rounding. The start is
+        `shape`, the exact one of the present sizes; by default the last one is followed, and the first one is that
+        which the flat print releases to.
         """
         search, start = self.search, self.sizes or self.search.best
         self.distance = None
@@ -130,7 +106,7 @@ class ExactCorrection:
         distance = self.distance_of(exact)
         percent = distance.weighted_percent
         kept = bool(exact.summary["is_minimum"]) and (self.distance is None or percent < self.distance.weighted_percent)
-        self.done.append(Correction(percent, step_mm, kept))
+        self.done.append({"mean_percent": percent, "step_mm": step_mm, "kept": kept})
         self.search.say(f"exact shape {len(self.done)}: {percent:.2f} % of the diameter, {'' if kept else 'not '}kept")
         if kept:
             self.sizes, self.exact, self.distance = sizes, exact, distance

@@ -55,37 +55,55 @@ class Disk:
         """(I,) vertices that are not on the border, in increasing order."""
         return np.setdiff1d(np.arange(len(self.vertices)), self.border)
 
+    @cached_property
+    def angles(self) -> Floats:
+        """(T, 3) rad, angles at the corners of each triangle."""
+        corners = self.vertices[self.triangles]
+        ahead, behind = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
+        cross = np.linalg.norm(np.cross(ahead, behind), axis=2)
+        return np.asarray(np.arctan2(cross, np.einsum("tkc,tkc->tk", ahead, behind)))
+
+    @cached_property
+    def angle_sums(self) -> Floats:
+        """(V,) rad, sum of the angles around each vertex.
+
+        On the border, pi minus the sum is the integral of the geodesic curvature.
+        """
+        return np.asarray(np.bincount(self.triangles.ravel(), self.angles.ravel(), len(self.vertices)))
+
+    @cached_property
+    def gauss_curvature(self) -> Floats:
+        """(I,) rad, integral of the Gauss curvature over the cell of each inner vertex."""
+        return np.asarray(2.0 * np.pi - self.angle_sums[self.inner])
+
+    @cached_property
+    def laplacian(self) -> sp.csc_array:
+        """(V, V) the matrix A of `flatten`: minus the integral of the Laplacian over the cell of each vertex."""
+        half, count = 0.5 / np.tan(self.angles), len(self.vertices)
+        i, j = np.roll(self.triangles, -1, axis=1).ravel(), np.roll(self.triangles, 1, axis=1).ravel()
+        weights = sp.coo_array((half.ravel(), (i, j)), shape=(count, count))
+        weights = weights + weights.T
+        return sp.csc_array(sp.diags_array(np.asarray(weights.sum(axis=1)).ravel()) - weights)
+
     def turned_over(self) -> Disk:
         """The same surface with its normals on the other side."""
         return Disk(self.vertices, np.ascontiguousarray(self.triangles[:, ::-1]))
 
 
 def disk_of(vertices: Floats, triangles: Ints, name: str) -> Disk:
-    """The disk of some triangles, welded and equally oriented.
-
-    Parameters
-    ----------
-    vertices : (V, 3) mm.
-    triangles : (T, 3).
-    name : of the target, for messages.
+    """The disk of some triangles (T, 3) over vertices (V, 3) mm, welded and equally oriented.
 
     Raises
     ------
     TargetError
         The triangles are no disk: many without area, several pieces, closed, holes, a handle, one side only, edges of
-        three triangles, or a border that touches itself.
-
-    Examples
-    --------
-    >>> square = np.array([[0.0, 0.0, 0.0], [9.0, 0.0, 0.0], [9.0, 9.0, 0.0], [0.0, 9.0, 0.0]])
-    >>> disk_of(square, np.array([[0, 1, 2], [0, 3, 2]]), "square").border.tolist()
-    [0, 1, 2, 3]
+        three triangles, or a border that touches itself. The message begins with `name`.
     """
     vertices, triangles = _welded(vertices, triangles)
     if len(triangles) == 0:
         raise TargetError(name, "holds no triangles: a target is a triangulated surface")
     triangles, flat = _without_flat(vertices, triangles, name)
-    edges = np.sort(_directed_edges(triangles), axis=1)
+    edges = np.sort(directed_edges(triangles), axis=1)
     unique, count = np.unique(edges, axis=0, return_counts=True)
     if count.max() > 2:
         place = vertices[unique[count.argmax()]].mean(axis=0)
@@ -186,7 +204,7 @@ def _check_border(vertices: Floats, triangles: Ints, edges: Ints, name: str) -> 
 def _equally_oriented(triangles: Ints, name: str) -> Ints:
     """The triangles, some of them reversed, so that neighbours have the same side; the first one stays."""
     count = len(triangles)
-    edges = _directed_edges(triangles)
+    edges = directed_edges(triangles)
     owner = np.tile(np.arange(count), 3)
     key = np.sort(edges, axis=1)
     order = np.lexsort(key.T[::-1])
@@ -213,14 +231,14 @@ def _equally_oriented(triangles: Ints, name: str) -> Ints:
     return np.where(is_reversed[:, None], triangles[:, ::-1], triangles)
 
 
-def _directed_edges(triangles: Ints) -> Ints:
+def directed_edges(triangles: Ints) -> Ints:
     """(3 T, 2) edges in the direction of their triangles: first edges of all triangles, second ones, third ones."""
     return np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
 
 
 def border_edges(triangles: Ints) -> Ints:
     """(B, 2) edges of one triangle only, in its direction."""
-    edges = _directed_edges(triangles)
+    edges = directed_edges(triangles)
     _, where, count = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True, return_counts=True)
     return edges[count[where.ravel()] == 1]
 

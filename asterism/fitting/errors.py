@@ -18,10 +18,6 @@ class TargetError(Error, ValueError):
         super().__init__(one_line(f"{target}: {problem}"))
 
 
-class SettingError(Error, ValueError):
-    """A setting of a fit is not allowed."""
-
-
 class ReachError(Error):
     """A target is out of reach of the stars; the message is one line with place, needed and available value."""
 

@@ -7,7 +7,7 @@ curvature locks the sheet, and then the energy of a plate with Poisson's ratio n
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import shapely
@@ -66,29 +66,9 @@ class FirstGuess:
 
 
 def guess_design(
-    target: TargetSurface,
-    law: StarLaw,
-    settings: FitSettings | None = None,
-    say: Say = ignore_line,
+    target: TargetSurface, law: StarLaw, settings: FitSettings | None = None, say: Say = ignore_line
 ) -> FirstGuess:
-    """The first guess of a design for a target.
-
-    Parameters
-    ----------
-    law : of the material; its lattice is that of the design.
-    say : called with a line of text at the beginning of each stage.
-
-    Raises
-    ------
-    TargetError
-        The flat target overlaps itself.
-    ReachError
-        Stars cannot make the target.
-    ForeignLaw
-        The law has no table for the stretch.
-    LawError
-        The law does not cover the width, or is for unequal stretches in x and y.
-    """
+    """The first guess of a design for a target; the lattice is that of the law. Errors are those of `fit`."""
     if not law.even_stretches:
         raise LawError("a fit to a surface needs a law of equal stretch in x and y", field="fabric.stretch")
     say("flattening the target")
@@ -102,10 +82,9 @@ def guess_design(
     menus = [StarMenu.of(law, available, width) for available in law.even_stretches]
     menu = choose_stretch(flat.ratio, menus) if stretch is None else StarMenu.of(law, stretch, width)
     lattice = law.plan.design.lattice
-    log_size = _log_size(flat, menu)
-    unplaced = TargetMap.of(flat, log_size, 0.0, np.zeros(2), lattice.spacing_mm)
+    unplaced = TargetMap(flat, np.exp(_log_size(flat, menu)) * flat.points, lattice.spacing_mm)
     check_size(target.name, unplaced, menu, menus, abs(float(np.linalg.det(lattice.vectors))))
-    target_map = placed(flat, log_size, lattice)
+    target_map = placed(unplaced, lattice)
     outline = choose_outline(target_map, needles)
     border = settings.border
     if border is None:
@@ -136,15 +115,8 @@ def _with_weights(design: Design, target: TargetSurface, target_map: TargetMap, 
 
 
 def flatten_target(target: TargetSurface) -> FlatDisk:
-    """The flattening with the smallest ratio of scale factors.
-
-    Raises
-    ------
-    TargetError
-        The flat target overlaps itself.
-    """
-    flattener = Flattener(target.disk)
-    gauss = flattener.gauss_curvature
+    """The flattening with the smallest ratio of scale factors; TargetError if it overlaps itself."""
+    flattener, gauss = Flattener(target.disk), target.disk.gauss_curvature
     total = np.abs(gauss).sum()
     mixed = min(gauss[gauss > 0.0].sum(), -gauss[gauss < 0.0].sum()) > MIN_MIXED_SHARE * total
     flat = flattener.flatten(least_ratio_border(flattener) if mixed and total > MIN_GAUSS_RAD else None)
@@ -155,7 +127,7 @@ def flatten_target(target: TargetSurface) -> FlatDisk:
 
 def _saddle_share(target: TargetSurface) -> float:
     """Share of negative Gauss curvature in the sum of its absolute values; 0 for developable targets."""
-    gauss = Flattener(target.disk).gauss_curvature
+    gauss = target.disk.gauss_curvature
     total = float(np.abs(gauss).sum())
     return float(-gauss[gauss < 0.0].sum() / total) if total > MIN_GAUSS_RAD else 0.0
 
@@ -222,19 +194,18 @@ RIM_BAND, RIM_STEP = 0.6, 0.12
 MIN_BARE_GAIN = 0.98
 
 
-def placed(flat: FlatDisk, log_size: float, lattice: Lattice) -> TargetMap:
+def placed(start: TargetMap, lattice: Lattice) -> TargetMap:
     """The print with the turn and the shift that leave the least bare area at the rim.
 
     A first candidate has a star at the centre of the area, others follow in a fixed order.
     """
-    start = TargetMap.of(flat, log_size, 0.0, np.zeros(2), lattice.spacing_mm)
-    ring = start.printed[flat.disk.border]
+    ring = start.printed[start.flat.disk.border]
     band = _rim_band(ring, lattice.spacing_mm)
     centre = np.array(shapely.Polygon(ring).centroid.coords[0])
     origin = np.asarray(lattice.origin_mm)
     thirds = np.array([[1.0, 1.0], [2.0, 2.0]]) / 3.0
     shifts = np.array([[i, j] for i in range(SHIFTS) for j in range(SHIFTS)]) / SHIFTS
-    best, best_score = (0.0, origin - centre), np.inf
+    best, best_score = (np.eye(2), origin - centre), np.inf
     for turn in np.arange(TURNS) * (np.pi / 3.0 / TURNS):
         cos, sin = np.cos(turn), np.sin(turn)
         rotation = np.array([[cos, sin], [-sin, cos]])
@@ -242,8 +213,9 @@ def placed(flat: FlatDisk, log_size: float, lattice: Lattice) -> TargetMap:
             shift = origin + fraction @ lattice.vectors - centre @ rotation
             score = _bare(band @ rotation + shift, ring @ rotation + shift, lattice)
             if score < MIN_BARE_GAIN * best_score:
-                best, best_score = (float(turn), shift), score
-    return TargetMap.of(flat, log_size, *best, lattice.spacing_mm)
+                best, best_score = (rotation, shift), score
+    rotation, shift = best
+    return replace(start, printed=start.printed @ rotation + shift)
 
 
 def star_sites(ring: Floats, lattice: Lattice) -> Floats:

@@ -5,8 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import numpy as np
-
 from asterism.discrete.release.continuation import Report
 from asterism.fitting.correction import ExactCorrection
 from asterism.fitting.errors import place_text
@@ -138,10 +136,6 @@ def fit(
     def distance(shape: Shape) -> FitDistance:
         return target_distance(shape, residual, plan.lattice_vectors)
 
-    def of_search() -> TargetDistanceRecord:
-        shape = search.preview.shape()
-        return _record(distance(shape), shape)
-
     def sizes() -> StarUnknowns:
         return correction.sizes or search.best
 
@@ -151,14 +145,14 @@ def fit(
 
     search = FitSearch(base, law, residual, target.diameter_mm, StarUnknowns.of(plan, guess.menu), tell)
     correction = ExactCorrection(search, distance, report)
-    of_guess, by_preview, unrounded = of_search(), None, None
+    of_guess, by_preview, unrounded = distance(search.preview.shape()).record, None, None
     verification: Verification | None = None
     corrections = settings.corrections if settings.exact else 0
     few = min(corrections, MAX_ROUNDED_CORRECTIONS)
     is_interrupted = False
     try:
         search.run()
-        by_preview = None if printer is None else of_search()
+        by_preview = None if printer is None else distance(search.preview.shape()).record
         if corrections:
             correction.run(base, corrections)
         unrounded = correction.distance
@@ -212,16 +206,16 @@ def fit(
         "share_at_bounds": found.share_at_bounds,
         "first_guess": of_guess,
         "unrounded": by_preview,
-        "preview": _record(of_preview, shape),
-        "exact": None if verification is None else _record(of_result, result),
+        "preview": of_preview.record,
+        "exact": None if verification is None else of_result.record,
         "other_exact": _other(verification, distance),
         "exact_agrees": None if verification is None else verification.summary.starts_agree,
         "interrupted": is_interrupted,
         "reached": bool(of_result.mean_percent <= settings.within_percent and result.summary["is_minimum"]),
         "within_percent": settings.within_percent,
         "rounding_loss_percent": loss,
-        "steps": [vars(step) for step in search.steps],
-        "corrections": [vars(step) for step in correction.done],
+        "steps": search.steps,
+        "corrections": correction.done,
         "restarts": search.restarts,
         "warnings": warnings,
         "version": __version__,
@@ -245,23 +239,11 @@ def _released_elsewhere(verification: Verification) -> bool:
     return verification.result == RELEASE and not verification.summary.starts_agree
 
 
-def _record(distance: FitDistance, shape: Shape) -> TargetDistanceRecord:
-    return TargetDistanceRecord(
-        mean_percent=distance.mean_percent,
-        weighted_percent=distance.weighted_percent,
-        surface_percent=distance.surface_percent,
-        largest_percent=distance.largest_percent,
-        largest_at_mm=[float(part) for part in np.round(distance.farthest, 1)],
-        is_minimum=bool(shape.summary["is_minimum"]),
-    )
-
-
 def _other(verification: Verification | None, distance: Callable[[Shape], FitDistance]) -> TargetDistanceRecord | None:
     """Distance of the exact minimum that is not the result; None if both starts lead to one."""
     if verification is None or verification.summary.starts_agree:
         return None
-    other = next(shape for name, shape in verification.exact.items() if name != verification.result)
-    return _record(distance(other), other)
+    return distance(next(shape for name, shape in verification.exact.items() if name != verification.result)).record
 
 
 def _warnings(sizes: StarUnknowns, distance: FitDistance, verification: Verification | None) -> list[str]:
@@ -270,10 +252,10 @@ def _warnings(sizes: StarUnknowns, distance: FitDistance, verification: Verifica
     if sizes.share_at_bounds > MIN_SHARE_AT_BOUNDS:
         share = 100 * sizes.share_at_bounds
         lines.append(f"{share:.0f} % of the stars have the shortest or the longest arms that the law covers")
-    if distance.largest_percent > MAX_QUIET_DISTANCE_PERCENT:
+    if (largest := distance.record.largest_percent) > MAX_QUIET_DISTANCE_PERCENT:
         lines.append(
-            f"the largest distance, {distance.largest_percent:.1f} % of the diameter, is at "
-            f"{place_text(distance.farthest, 0)}: more needles hold a rim, a larger target has more stars"
+            f"the largest distance, {largest:.1f} % of the diameter, is at {place_text(distance.farthest, 0)}: more "
+            "needles hold a rim, a larger target has more stars"
         )
     if verification is not None and verification.summary.starts_distance_percent > MAX_FORM_DISTANCE_PERCENT:
         apart = verification.summary.starts_distance_percent

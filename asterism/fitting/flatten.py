@@ -27,53 +27,12 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import scipy.sparse as sp
 from scipy.optimize import linprog
 from scipy.sparse.linalg import SuperLU, splu
 
-from asterism.equilibrium.arrays import Floats, Ints
+from asterism.equilibrium.arrays import Floats
 from asterism.fitting.disk import Disk
 from asterism.pattern.geometry.planar import triangle_areas
-
-
-def corner_angles(vertices: Floats, triangles: Ints) -> Floats:
-    """(T, 3) rad, angles at the corners of each triangle.
-
-    Examples
-    --------
-    >>> points = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
-    >>> np.rad2deg(corner_angles(points, np.array([[0, 1, 2]]))).round(6).tolist()
-    [[90.0, 45.0, 45.0]]
-    """
-    corners = vertices[triangles]
-    ahead, behind = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
-    cross = np.linalg.norm(np.cross(ahead, behind), axis=2)
-    return np.asarray(np.arctan2(cross, np.einsum("tkc,tkc->tk", ahead, behind)))
-
-
-def laplacian(angles: Floats, triangles: Ints, count: int) -> sp.csc_array:
-    """(V, V) the matrix A above, in no unit.
-
-    Parameters
-    ----------
-    angles : (T, 3) rad, from `corner_angles`.
-    triangles : (T, 3).
-    count : V, number of vertices.
-    """
-    half = 0.5 / np.tan(angles)
-    i, j = np.roll(triangles, -1, axis=1).ravel(), np.roll(triangles, 1, axis=1).ravel()
-    weights = sp.coo_array((half.ravel(), (i, j)), shape=(count, count))
-    weights = weights + weights.T
-    return sp.csc_array(sp.diags_array(np.asarray(weights.sum(axis=1)).ravel()) - weights)
-
-
-def angle_sums(angles: Floats, triangles: Ints, count: int) -> Floats:
-    """(V,) rad, sum of the angles around each vertex.
-
-    Inside, 2 pi minus the sum is the integral of the Gauss curvature. On the border, pi minus the sum is the integral
-    of the geodesic curvature.
-    """
-    return np.asarray(np.bincount(triangles.ravel(), angles.ravel(), count))
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,35 +62,13 @@ class FlatDisk:
 
 
 class Flattener:
-    """Flattens one disk for several scale factors of its border; the factorisation is kept.
-
-    Attributes
-    ----------
-    disk : the surface.
-    gauss_curvature : (I,) rad, integral of the Gauss curvature over the cell of each inner vertex.
-
-    Examples
-    --------
-    A flat square stays as it is:
-
-    >>> from asterism.fitting.disk import disk_of
-    >>> corners = np.array([[0.0, 0.0, 0.0], [9.0, 0.0, 0.0], [9.0, 9.0, 0.0], [0.0, 9.0, 0.0], [4.0, 5.0, 0.0]])
-    >>> triangles = np.array([[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]])
-    >>> flat = Flattener(disk_of(corners, triangles, "square")).flatten()
-    >>> round(flat.ratio, 12), flat.flipped
-    (1.0, 0)
-    """
+    """Flattens one disk for several scale factors of its border; the factorisation is kept."""
 
     def __init__(self, disk: Disk) -> None:
         self.disk = disk
-        count = len(disk.vertices)
-        angles = corner_angles(disk.vertices, disk.triangles)
-        matrix = laplacian(angles, disk.triangles, count)
-        sums = angle_sums(angles, disk.triangles, count)
         inner, border = disk.inner, disk.border
-        self.gauss_curvature = 2.0 * np.pi - sums[inner]
-        self._turning = np.pi - sums[border]
-        rows = matrix.tocsr()
+        self._turning = np.pi - disk.angle_sums[border]
+        rows = disk.laplacian.tocsr()
         self._inner_border = rows[inner][:, border]
         self._border_rows = rows[border]
         self._factor: SuperLU | None = splu(rows[inner][:, inner].tocsc()) if len(inner) else None
@@ -144,7 +81,7 @@ class Flattener:
 
     def log_scale(self, border_log_scale: Floats) -> Floats:
         """(V,) solution u of the equation of Yamabe with these values (B,) at the border."""
-        return self._spread(border_log_scale, -self.gauss_curvature)
+        return self._spread(border_log_scale, -self.disk.gauss_curvature)
 
     def harmonic(self, border_values: Floats) -> Floats:
         """(V,) or (V, k) harmonic functions with these values (B,) or (B, k) at the border."""
@@ -187,35 +124,24 @@ FOURIER_TERMS = 24
 MAX_BOUNDED_VERTICES = 1500
 
 
-def least_ratio_border(flattener: Flattener, terms: int = FOURIER_TERMS) -> Floats:
-    """(B,) logarithms of the scale factor at the border for the smallest ratio of scale factors.
-
-    Parameters
-    ----------
-    terms : number of Fourier terms of the border values.
-    """
+def least_ratio_border(flattener: Flattener) -> Floats:
+    """(B,) logarithms of the scale factor at the border for the smallest ratio of scale factors."""
     disk = flattener.disk
     around = np.cumsum(flattener.border_lengths) - flattener.border_lengths
     angle = 2.0 * np.pi * around / flattener.border_lengths.sum()
-    waves = np.arange(1, terms // 2 + 1)
+    waves = np.arange(1, FOURIER_TERMS // 2 + 1)
     series = np.concatenate([np.cos(angle[:, None] * waves), np.sin(angle[:, None] * waves)], axis=1)
     start = flattener.log_scale(np.zeros(len(disk.border)))
     change = flattener.harmonic(series)
     inner = disk.inner[:: max(len(disk.inner) // MAX_BOUNDED_VERTICES, 1)]
     rows = np.concatenate([disk.border, inner])
-    ones = np.ones((len(rows), 1))
-    zeros = np.zeros((len(rows), 1))
+    ones, zeros = np.ones((len(rows), 1)), np.zeros((len(rows), 1))
     # unknowns: coefficients, upper and lower bound of u
     above = np.hstack([change[rows], -ones, zeros])
     below = np.hstack([-change[rows], zeros, ones])
     cost = np.concatenate([np.zeros(series.shape[1]), [1.0, -1.0]])
-    solution = linprog(
-        cost,
-        A_ub=np.vstack([above, below]),
-        b_ub=np.concatenate([-start[rows], start[rows]]),
-        bounds=(None, None),
-        method="highs",
-    )
+    limits = np.concatenate([-start[rows], start[rows]])
+    solution = linprog(cost, np.vstack([above, below]), limits, bounds=(None, None), method="highs")
     if solution.status != 0:
         return np.zeros(len(disk.border))
     return np.asarray(series @ solution.x[: series.shape[1]])

@@ -6,7 +6,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from asterism.equilibrium.arrays import Bools, Floats, Ints
-from asterism.fitting.disk import border_edges
+from asterism.fitting.disk import border_edges, directed_edges
 
 # rounds that even out the steps of the border over some cells, and their two shares: the border does not shrink
 # (Taubin, A signal processing approach to fair surface design, 1995)
@@ -19,15 +19,8 @@ CONTINUED_CELLS = 2
 
 
 def height_mesh(heights_mm: Floats, x_mm: Floats, y_mm: Floats) -> tuple[Floats, Ints]:
-    """Vertices (V, 3) mm and triangles (T, 3) over a grid.
+    """Vertices (V, 3) mm and triangles (T, 3) over a grid of heights (m, n), nan where there is no surface.
 
-    Parameters
-    ----------
-    heights_mm : (m, n), nan where there is no surface.
-    x_mm, y_mm : (n,) and (m,), increasing.
-
-    Examples
-    --------
     >>> vertices, triangles = height_mesh(np.array([[0.0, 1.0], [2.0, np.nan]]), np.arange(2.0), np.arange(2.0))
     >>> triangles.tolist()
     [[0, 1, 2]]
@@ -66,7 +59,7 @@ def _smoothed(grid: Floats, triangles: Ints, is_edge: Bools, step: Floats) -> Fl
     outwards = np.column_stack([chords[:, 1], -chords[:, 0]])
     outwards /= np.maximum(np.linalg.norm(outwards, axis=1, keepdims=True), 1e-300)
     places[moving] += (0.5 * np.abs(outwards * step).max(axis=1, keepdims=True) * outwards)[moving]
-    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    edges = directed_edges(triangles)
     around, count = _sums(edges, len(grid)), np.bincount(edges.ravel(), minlength=len(grid))
     inner = (count > 0) & (beside == 0) & ~is_edge
     for _ in range(INNER_ROUNDS):
@@ -84,13 +77,9 @@ def _continued(heights: Floats) -> Floats:
     """Heights (m, n) continued in straight lines beyond their border; 0 further away."""
     heights = heights.copy()
     for _ in range(CONTINUED_CELLS):
-        padded = np.pad(heights, 2, constant_values=np.nan)
-        rows, columns = heights.shape
-
-        def at(i: int, j: int, padded: Floats = padded, rows: int = rows, columns: int = columns) -> Floats:
-            return padded[2 + i : 2 + i + rows, 2 + j : 2 + j + columns]
-
-        guesses = np.stack([2.0 * at(i, j) - at(2 * i, 2 * j) for i, j in ((0, 1), (0, -1), (1, 0), (-1, 0))])
+        around = np.lib.stride_tricks.sliding_window_view(np.pad(heights, 2, constant_values=np.nan), (5, 5))
+        steps = ((2, 3), (2, 1), (3, 2), (1, 2))
+        guesses = np.stack([2.0 * around[..., i, j] - around[..., 2 * i - 2, 2 * j - 2] for i, j in steps])
         known = np.isfinite(guesses)
         mean = np.where(known, guesses, 0.0).sum(axis=0) / np.maximum(known.sum(axis=0), 1)
         heights = np.where(np.isfinite(heights) | ~known.any(axis=0), heights, mean)

@@ -53,24 +53,16 @@ def choose_stretch(needed_ratio: float, menus: Sequence[StarMenu]) -> StarMenu:
 
 
 def check_size(name: str, target_map: TargetMap, menu: StarMenu, menus: Sequence[StarMenu], cell_mm2: float) -> None:
-    """Refuse a target that needs more stars than a design can have, before they are placed.
+    """Raise ReachError for a target that needs more stars than a design can have, before they are placed.
 
-    Parameters
-    ----------
-    menu, menus : of the chosen stretch, and of all stretches of the law, for the message.
-    cell_mm2 : printed area of a star.
-
-    Raises
-    ------
-    ReachError
-        A target that contracts too differently needs a large print; others are large themselves.
+    A target that contracts too differently needs a large print; others are large themselves. `menu` and `menus` are of
+    the chosen stretch, and of all stretches of the law; `cell_mm2` is the printed area of a star.
     """
     stars = abs(polygon_area(target_map.printed[target_map.flat.disk.border])) / cell_mm2
     if stars <= MAX_STARS_OF_DESIGN:
         return
-    needed = _needed_ratio(target_map)
-    if needed > MAX_RATIO_EXCESS * menu.ratio:
-        raise ReachError(f"{name}: {_too_much(target_map, needed, menu, menus)}")
+    if _needed_ratio(target_map) > MAX_RATIO_EXCESS * menu.ratio:
+        raise ReachError(f"{name}: {_too_much(target_map, menus)}")
     raise ReachError(
         f"{name}: needs about {stars:.0f} stars {menu.spacing_mm:.1f} mm apart, a design has at most "
         f"{MAX_STARS_OF_DESIGN}: make the target {np.ceil(10 * np.sqrt(stars / MAX_STARS_OF_DESIGN)) / 10:.1f} times "
@@ -90,19 +82,14 @@ def target_reach(
 ) -> Reach:
     """The reach of a placed target.
 
+    A ReachError says that the sheet has room for too few stars, or, unless the `nearest` sheet is wanted, that it
+    curves too tightly, or needs too different contractions.
+
     Parameters
     ----------
     stars : (S, 2) mm, printed centres.
     curvatures : (S, 2) 1/mm, principal curvatures of the target there.
-    menu : of the chosen stretch.
-    menus : of all stretches of the law, for messages.
-    has_needles : whether needles hold the sheet.
-    nearest : the sheet that comes nearest is wanted where contractions or curvatures do not suffice.
-
-    Raises
-    ------
-    ReachError
-        The sheet has room for too few stars, curves too tightly, or needs too different contractions.
+    menu, menus : of the chosen stretch, and of all stretches of the law, for messages.
     """
     warnings: list[str] = []
     if len(stars) < MIN_FITTED_STARS:
@@ -131,7 +118,7 @@ def target_reach(
         )
     needed = _needed_ratio(target_map)
     if needed > menu.ratio:
-        line = _too_much(target_map, needed, menu, menus)
+        line = _too_much(target_map, menus)
         if needed > MAX_RATIO_EXCESS * menu.ratio and not nearest:
             raise ReachError(f"{name}: {line}")
         warnings.append(line)
@@ -142,8 +129,8 @@ def _needed_ratio(target_map: TargetMap) -> float:
     return float(np.exp(np.ptp(target_map.log_contraction)))
 
 
-def _too_much(target_map: TargetMap, needed: float, menu: StarMenu, menus: Sequence[StarMenu]) -> str:
-    logs, vertices = target_map.log_contraction, target_map.flat.disk.vertices
+def _too_much(target_map: TargetMap, menus: Sequence[StarMenu]) -> str:
+    needed, logs, vertices = _needed_ratio(target_map), target_map.log_contraction, target_map.flat.disk.vertices
     low, high = vertices[int(logs.argmin())], vertices[int(logs.argmax())]
     available = ", ".join(f"{each.ratio:.2f} at stretch {each.stretch:g}" for each in menus)
     better = [each for each in menus if each.ratio >= needed]

@@ -21,6 +21,7 @@ from asterism.fitting.target_map import TargetMap
 from asterism.pattern.geometry.planar import distance_to_outline, inside
 from asterism.pattern.geometry.rigid_fit import rigid_fit
 from asterism.previews.session import PointLens, Preview
+from asterism.results.records.fit import TargetDistanceRecord
 from asterism.shape.cell_mean import CellMean
 from asterism.shape.shape import Shape
 
@@ -55,33 +56,29 @@ class FitDistance:
         share = self.shape.weights * self.place_weight
         return self._percent(np.sqrt(share @ self.mean_mm**2 / share.sum() * self.shape.weights.sum()))
 
-    @cached_property
-    def surface_percent(self) -> float:
-        """Root mean square with the bumps, in % of the diameter."""
-        return self._percent(np.sqrt(self.shape.weights @ self.surface_mm**2))
-
-    @cached_property
-    def largest_percent(self) -> float:
-        """Largest distance with the bumps, in % of the diameter."""
-        return self._percent(np.abs(self.surface_mm).max())
-
     @property
     def farthest(self) -> Floats:
-        """(3,) mm, the vertex of the largest distance."""
+        """(3,) mm, the vertex of the largest distance with the bumps."""
         return np.asarray(self.shape.positions[int(np.abs(self.surface_mm).argmax())])
+
+    @cached_property
+    def record(self) -> TargetDistanceRecord:
+        """The distance in numbers."""
+        return TargetDistanceRecord(
+            mean_percent=self.mean_percent,
+            weighted_percent=self.weighted_percent,
+            surface_percent=self._percent(np.sqrt(self.shape.weights @ self.surface_mm**2)),
+            largest_percent=self._percent(np.abs(self.surface_mm).max()),
+            largest_at_mm=[float(part) for part in np.round(self.farthest, 1)],
+            is_minimum=bool(self.shape.summary["is_minimum"]),
+        )
 
     def _percent(self, length: Any) -> float:
         return float(100.0 * length / self.diameter_mm)
 
 
 def target_distance(shape: Shape, residual: Residual, lattice_vectors: Floats) -> FitDistance:
-    """The distance of a shape to a target, at all vertices of the shape.
-
-    Parameters
-    ----------
-    residual : of the print; it lays a free sheet on the target.
-    lattice_vectors : (2, 2) mm, rows.
-    """
+    """The distance of a shape to a target at all vertices of the shape; the residual lays a free sheet on it."""
     target, places = residual.target, residual.places
     if not shape.held:
         rotation, shift = residual.pose(shape.at(places.points[: places.count]))
@@ -111,10 +108,9 @@ class FitPlaces:
 
     Attributes
     ----------
-    points : (n, 2) mm: the residual's places, then the further ones over which bumps are averaged.
-    count : number of the residual's places.
+    points : (n, 2) mm: the residual's places, `count` of them, then those over which bumps are averaged.
     goals : (n, 3) mm, where the flattening has the points.
-    slide_weight : (count,).
+    slide_weight : (count,) weight of the distance along the target.
     bump_mean : means of the bumps at the residual's places.
     """
 
@@ -172,17 +168,10 @@ class SheetState:
 
 
 class Residual:
-    """Residuals of the sheets of one print.
-
-    Parameters
-    ----------
-    target : the surface.
-    places : of the print.
-    is_free : whether the sheet has no supports; then it is laid on the target.
+    """Residuals of the sheets of one print with its places; a sheet without supports, `is_free`, is laid on the target.
 
     Attributes
     ----------
-    target, places : as given.
     offset : (3 n,) is added to the residuals of previews.
     """
 

@@ -8,6 +8,7 @@ where it takes another form, the fit goes on from that form. Only what a fresh p
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from scipy.linalg import solve_triangular
@@ -49,31 +50,9 @@ LONGEST_STEP = 2.5
 STEP_WORDS = {"smooth": "all stars together", "stars": "each star", "fresh": "fresh preview"}
 
 
-@dataclass(frozen=True)
-class FitStep:
-    """One accepted step.
-
-    Attributes
-    ----------
-    kind : `smooth`, `stars`, or `fresh` for a fresh preview.
-    rms_percent : rms distance of the mean surface to the target along its normal, in % of the diameter.
-    """
-
-    kind: str
-    rms_percent: float
-
-
 @dataclass(eq=False)
 class FitSearch:
-    """The state of a fit.
-
-    Parameters
-    ----------
-    base : design whose star sizes are fitted.
-    law, residual, diameter_mm : of the problem.
-    unknowns : sizes of the start.
-    say : called with a line of text after each step.
-    """
+    """The state of a fit of the star sizes `unknowns` of the design `base`; `steps` are those of a `FitRecord`."""
 
     base: Design
     law: StarLaw
@@ -81,7 +60,7 @@ class FitSearch:
     diameter_mm: float
     unknowns: StarUnknowns
     say: Say = ignore_line
-    steps: list[FitStep] = field(default_factory=list)
+    steps: list[dict[str, Any]] = field(default_factory=list)
     restarts: int = 0
 
     def __post_init__(self) -> None:
@@ -102,11 +81,7 @@ class FitSearch:
     def again(self, base: Design, sizes: StarUnknowns, start: StarUnknowns, steps: int) -> StarUnknowns:
         """Fit each star again from sizes, and return the best ones; lengths only if the design rounds thicknesses.
 
-        Parameters
-        ----------
-        base : design without its sizes.
-        start : sizes from which changes count.
-        steps : largest number of steps.
+        Changes count from the sizes `start`.
         """
         self.base, self.start, self._damping = base, start, FIRST_DAMPING
         self.unknowns = self.best = sizes
@@ -144,7 +119,7 @@ class FitSearch:
 
     def _record(self, kind: str) -> None:
         percent = 100.0 * self.state.rms_mm / self.diameter_mm
-        self.steps.append(FitStep(kind, percent))
+        self.steps.append({"kind": kind, "rms_percent": percent})
         self.say(f"step {len(self.steps) - 1}, {STEP_WORDS[kind]}: {percent:.2f} % of the diameter")
 
     def _confirm(self) -> bool:

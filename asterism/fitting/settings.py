@@ -7,9 +7,13 @@ from dataclasses import dataclass
 from numbers import Integral
 from typing import Annotated, Any
 
-from asterism.fitting.errors import SettingError
+from asterism.equilibrium.errors import Error
 
 MAX_CORRECTIONS, MAX_FITTED_NEEDLES = 20, 1000
+
+
+class SettingError(Error, ValueError):
+    """A setting of a fit is not allowed."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -47,16 +51,13 @@ class FitSettings:
     within_percent: Annotated[float, "--within"] = 1.0
 
     def __post_init__(self) -> None:
-        if self.needles is not None and (not _is_count(self.needles, MAX_FITTED_NEEDLES) or self.needles in (1, 2)):
-            raise SettingError(
-                f"needles = {self.needles!r}: must be 0, or a whole number from 3 to {MAX_FITTED_NEEDLES}"
-            )
-        if self.needles is not None and self.border:
-            raise SettingError(f"needles = {self.needles}: conflicts with border = True")
-        if not _is_count(self.corrections, MAX_CORRECTIONS):
-            raise SettingError(
-                f"corrections = {self.corrections!r}: must be a whole number from 0 to {MAX_CORRECTIONS}"
-            )
+        needles, most = self.needles, MAX_CORRECTIONS
+        if needles is not None and (not _is_count(needles, MAX_FITTED_NEEDLES) or needles in (1, 2)):
+            raise SettingError(f"needles = {needles!r}: must be 0, or a whole number from 3 to {MAX_FITTED_NEEDLES}")
+        if needles is not None and self.border:
+            raise SettingError(f"needles = {needles}: conflicts with border = True")
+        if not _is_count(self.corrections, most):
+            raise SettingError(f"corrections = {self.corrections!r}: must be a whole number from 0 to {most}")
         for name, value in (("width_mm", self.width_mm), ("within_percent", self.within_percent)):
             if value is not None and not 0.0 < value < math.inf:
                 raise SettingError(f"{name} = {value!r}: must be a positive number")

@@ -70,13 +70,7 @@ class StarMenu:
         return high / low
 
     def sizes(self, contraction: Floats, kappa: Floats) -> Floats:
-        """(S, 2) length and thickness (mm) of the stars that come nearest to contractions and natural curvatures.
-
-        Parameters
-        ----------
-        contraction : (S,) wanted contractions.
-        kappa : (S,) 1/mm, wanted natural curvatures.
-        """
+        """(S, 2) length and thickness (mm) of the stars nearest to contractions and natural curvatures (S,)."""
         miss = (np.log(self.contraction / contraction[:, None, None]) / _CONTRACTION_STEP) ** 2
         miss += ((self.kappa - kappa[:, None, None]) * self.spacing_mm / _TURN_STEP) ** 2
         best = np.where(self.allowed, miss, np.inf).reshape(len(contraction), -1).argmin(axis=1)

@@ -44,15 +44,13 @@ class StarUnknowns:
     def bounds(self) -> tuple[Floats, Floats]:
         """(2 S,) smallest and largest change of the unknowns."""
         menu, lengths, thicknesses = self.menu, self.lengths_mm, self.thicknesses_mm
-        ends = (
-            (menu.lengths_mm[0], menu.least_thickness(lengths)),
-            (menu.lengths_mm[-1], menu.thicknesses_mm[-1]),
-        )
         low, high = (
-            [(length - lengths) / LENGTH_UNIT_MM, np.log(thickness / thicknesses) / THICKNESS_UNIT]
-            for length, thickness in ends
+            np.concatenate([(length - lengths) / LENGTH_UNIT_MM, np.log(thickness / thicknesses) / THICKNESS_UNIT])
+            for length, thickness in zip(
+                menu.lengths_mm[[0, -1]], (menu.least_thickness(lengths), menu.thicknesses_mm[-1]), strict=True
+            )
         )
-        return np.minimum(np.concatenate(low), 0.0), np.maximum(np.concatenate(high), 0.0)
+        return np.minimum(low, 0.0), np.maximum(high, 0.0)
 
     @property
     def share_at_bounds(self) -> float:
@@ -92,9 +90,8 @@ class StarUnknowns:
     def roughness(self) -> sp.csr_array:
         """(2 S, 2 S) matrix R with `z R z` the mean square difference of the unknowns z of neighbouring stars."""
         pairs, count = self.plan.sample_pairs, len(self.lengths_mm)
-        rows = np.arange(len(pairs))
-        ends = sp.coo_array((np.ones(len(pairs)), (rows, pairs[:, 0])), shape=(len(pairs), count))
-        ends = ends - sp.coo_array((np.ones(len(pairs)), (rows, pairs[:, 1])), shape=(len(pairs), count))
+        rows, signs = np.repeat(np.arange(len(pairs)), 2), np.tile([1.0, -1.0], len(pairs))
+        ends = sp.coo_array((signs, (rows, pairs.ravel())), shape=(len(pairs), count)).tocsr()
         of_one_size = ends.T @ ends / max(len(pairs), 1)
         return sp.csr_array(sp.block_diag([of_one_size, of_one_size]))
 

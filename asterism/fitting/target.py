@@ -13,14 +13,12 @@ from numpy.typing import ArrayLike
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.fitting.disk import Disk, disk_of
 from asterism.fitting.errors import TargetError, place_text
-from asterism.fitting.flatten import corner_angles, laplacian
-from asterism.fitting.height_file import PICTURE_FORMATS, picture_levels
 from asterism.fitting.height_mesh import height_mesh
 from asterism.measure.compare.nearest import NearestOnSurface
 from asterism.measure.compare.scan import MAX_SCAN_COORDINATE
 from asterism.pattern.design.design import WEIGHT_RANGE
 from asterism.pattern.design.sizing.expression import ExpressionError, evaluate
-from asterism.pattern.design.sizing.grey_image import ImageError
+from asterism.pattern.design.sizing.grey_image import ImageError, check_pixel_format, opened_picture
 from asterism.pattern.geometry.diameter import diameter
 from asterism.pattern.geometry.normals import triangle_normals, vertex_normals
 from asterism.shape.self_intersections import self_intersections
@@ -35,6 +33,9 @@ MIN_CONVEX_SHARE = 0.02
 HEIGHT_POINTS = 60
 # a fit uses the target over cells of some mm; 20 000 triangles resolve a target of 4 m to some hundredths of a cell
 MAX_TARGET_TRIANGLES = 20_000
+PICTURE_FORMATS = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".webp")
+# a pixel, or a block of a field of heights, belongs to the surface if at least this part of it does
+MIN_FILLED_SHARE = 0.5
 # weights of black and white of a picture; transparent pixels have that of black
 PICTURE_WEIGHTS = (1.0, 10.0)
 
@@ -127,8 +128,7 @@ class TargetSurface:
         Parameters
         ----------
         heights_mm : (m, n) heights; nan where there is no surface.
-        x_mm : (n,) increasing.
-        y_mm : (m,) increasing.
+        x_mm, y_mm : (n,) and (m,), increasing.
         side, size_mm : as for `of_triangles`; the normals point upwards.
 
         Raises
@@ -244,6 +244,21 @@ def _evaluated(name: str, formula: str, places: dict[str, Floats], of: str = "")
         raise TargetError(name, f"the formula{of} {error}") from None
 
 
+def picture_levels(path: Path) -> Floats:
+    """(m, n) grey values of a picture from 0 (black) to 1 (white), all bits of them; nan where it is transparent."""
+    from PIL import ImageOps  # slow to import, rarely used
+
+    with opened_picture(path) as picture:
+        check_pixel_format(picture)
+        upright = ImageOps.exif_transpose(picture)
+        if upright.mode.startswith("I"):
+            return np.asarray(upright, dtype=float) / 65535.0
+        colours = upright.convert("RGBA")
+        levels = np.asarray(colours.convert("L"), dtype=float) / 255.0
+        opacity = np.asarray(colours.getchannel("A"), dtype=float) / 255.0
+        return np.where(opacity >= MIN_FILLED_SHARE, levels, np.nan)
+
+
 def _picture_weights(name: str, path: Path, places: Floats) -> Floats:
     """(n,) weights by a picture that lies over places (n, 2)."""
     from scipy.ndimage import map_coordinates  # slow to import, rarely used
@@ -288,9 +303,8 @@ def _subdivided(disk: Disk) -> Disk:
 
 def _is_convex_side(disk: Disk) -> bool:
     """Whether the normals are on the convex side; on the upper side, if the surface is hardly convex to either."""
-    angles = corner_angles(disk.vertices, disk.triangles)
     # the Laplacian of the position is the mean curvature vector, which points to the concave side
-    pull = laplacian(angles, disk.triangles, len(disk.vertices)) @ disk.vertices
+    pull = disk.laplacian @ disk.vertices
     convex = np.einsum("vc,vc->v", pull, vertex_normals(disk.vertices, disk.triangles))[disk.inner]
     if abs(convex.sum()) > MIN_CONVEX_SHARE * np.abs(convex).sum() and abs(convex.sum()) > 1e-9:
         return bool(convex.sum() > 0.0)
@@ -299,14 +313,11 @@ def _is_convex_side(disk: Disk) -> bool:
 
 def _upright_pose(disk: Disk) -> tuple[Floats, Floats]:
     """Rotation (3, 3) and shift (3,) that turn the mean normal upwards by the shortest way, and centre the target."""
-    normal = triangle_normals(disk.vertices, disk.triangles).sum(axis=0)
+    normals = triangle_normals(disk.vertices, disk.triangles)
+    normal, total = normals.sum(axis=0), float(np.linalg.norm(normals, axis=1).sum())
     length = float(np.linalg.norm(normal))
-    total = float(np.linalg.norm(triangle_normals(disk.vertices, disk.triangles), axis=1).sum())
-    rotation = np.eye(3)
-    if length > 1e-6 * total:
-        rotation = _turn_to_top(normal / length)
-    middle = rotation @ (0.5 * (disk.vertices.min(axis=0) + disk.vertices.max(axis=0)))
-    return rotation, -middle
+    rotation = _turn_to_top(normal / length) if length > 1e-6 * total else np.eye(3)
+    return rotation, -(rotation @ (0.5 * (disk.vertices.min(axis=0) + disk.vertices.max(axis=0))))
 
 
 def _turn_to_top(direction: Floats) -> Floats:
@@ -324,11 +335,6 @@ def _decimated(disk: Disk, name: str) -> tuple[Disk, str]:
     """A disk of at most `MAX_TARGET_TRIANGLES` triangles, and a note about it; a smaller one as it is, without a note.
 
     Edges are collapsed in the order of their quadric errors (Garland and Heckbert 1997), by fast-simplification.
-
-    Raises
-    ------
-    TargetError
-        The surface loses its form, because its triangles differ too much.
     """
     if len(disk.triangles) <= MAX_TARGET_TRIANGLES:
         return disk, ""

@@ -9,6 +9,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from asterism.equilibrium.arrays import Floats
+from asterism.fitting.disk import directed_edges
 from asterism.fitting.flatten import FlatDisk
 from asterism.pattern.geometry.point_location import TriangleFinder, clipped
 
@@ -35,24 +36,15 @@ class TargetMap:
     printed: Floats
     spacing_mm: float
 
-    @classmethod
-    def of(cls, flat: FlatDisk, log_size: float, turn_rad: float, shift_mm: Floats, spacing_mm: float) -> TargetMap:
-        """The map with prints `exp(log_size)` times as large as the flat disk, turned and then shifted."""
-        cos, sin = np.cos(turn_rad), np.sin(turn_rad)
-        printed = np.exp(log_size) * flat.points @ np.array([[cos, sin], [-sin, cos]]) + shift_mm
-        return cls(flat, printed, spacing_mm)
-
     @cached_property
     def log_contraction(self) -> Floats:
         """(V,) logarithm of the contraction that each vertex needs: length on the target over length on the print."""
         disk = self.flat.disk
-        a, b, c = disk.triangles.T
-        edges = np.concatenate([np.column_stack([a, b]), np.column_stack([b, c]), np.column_stack([c, a])])
-        on_target = np.linalg.norm(disk.vertices[edges[:, 1]] - disk.vertices[edges[:, 0]], axis=1)
-        on_print = np.linalg.norm(self.printed[edges[:, 1]] - self.printed[edges[:, 0]], axis=1)
+        a, b = directed_edges(disk.triangles).T
+        on_target, on_print = (np.linalg.norm(p[b] - p[a], axis=1) for p in (disk.vertices, self.printed))
         # the size that the map really has, with its closing correction; u gives the rest, without noise of the mesh
         level = float(np.log(on_target.sum() / on_print.sum()))
-        mean_u = 0.5 * (self.flat.log_scale[edges[:, 0]] + self.flat.log_scale[edges[:, 1]])
+        mean_u = 0.5 * (self.flat.log_scale[a] + self.flat.log_scale[b])
         middle = float(np.average(mean_u, weights=on_target))
         return np.asarray(level - (self.flat.log_scale - middle))
 

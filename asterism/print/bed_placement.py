@@ -15,8 +15,7 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
-from asterism.print.printer import Printer
-from asterism.print.profiles import load_printer, profile_names
+from asterism.print.printer import Printer, load_printer, profile_names
 from asterism.print.solid import Terrace
 
 # a rectangle fits another one at some turn from 0 to 180 degrees, in either direction
@@ -55,22 +54,14 @@ def place_on_bed(
 ) -> BedPlacement:
     """Put the origin of the design to the middle of the bed, or else the middle of the sheet, or as near as possible.
 
-    Parameters
-    ----------
-    turn_deg : counterclockwise turn.
-    may_turn : the error may propose another turn; wrong for fabrics with two stretches.
-
-    Raises
-    ------
-    DesignError
-        The plastic is larger than the bed or the frame's opening, or the fabric than the frame.
+    A `DesignError` says that the plastic is larger than the bed or the frame's opening, or the fabric than the frame;
+    if the design `may_turn`, because its fabric has one stretch, it proposes a turn that helps.
     """
     corners = shapely.get_coordinates(shapely.convex_hull(steps[0].region))
-    bed, frame = np.asarray(printer.bed_mm), np.asarray(printer.frame.size_mm)
-    opening, room = np.asarray(printer.frame.opening_mm), room_mm(printer)
+    bed, frame, opening = (np.asarray(p) for p in (printer.bed_mm, printer.frame.size_mm, printer.frame.opening_mm))
     turned = BedPlacement(turn_deg, np.zeros(2))
     plastic, sheet = turned.points(corners), turned.points(plan.outline)
-    least, most = _shifts(plastic, sheet, room, frame)
+    least, most = _shifts(plastic, sheet, printer)
     size, fabric = np.ptp(plastic, axis=0), np.ptp(sheet, axis=0)
     field, problem, given = "stars" if plan.has_stars else "rods", "", f"{_times(size)} mm of plastic"
     # corners are rounded to the grid
@@ -94,18 +85,18 @@ def room_mm(printer: Printer) -> Floats:
     return np.minimum(printer.bed_mm, printer.frame.opening_mm)
 
 
-def _shifts(plastic: Floats, sheet: Floats, room: Floats, frame: Floats) -> tuple[Floats, Floats]:
+def _shifts(plastic: Floats, sheet: Floats, printer: Printer) -> tuple[Floats, Floats]:
     """Smallest and largest shift (2,) mm at which the plastic fits and the fabric lies within the frame."""
+    room, frame = room_mm(printer), np.asarray(printer.frame.size_mm)
     least = np.maximum(-room / 2 - plastic.min(axis=0), -frame / 2 - sheet.min(axis=0))
     return least, np.minimum(room / 2 - plastic.max(axis=0), frame / 2 - sheet.max(axis=0))
 
 
 def fitting_turn(plastic: Floats, sheet: Floats, printer: Printer, turns: Iterable[int] = TURNS_DEG) -> int | None:
     """The first turn at which the printer and its frame hold corners of plastic (n, 2) and sheet (m, 2); or None."""
-    room, frame = room_mm(printer), np.asarray(printer.frame.size_mm)
     for turn in turns:
         turned = BedPlacement(turn, np.zeros(2))
-        least, most = _shifts(turned.points(plastic), turned.points(sheet), room, frame)
+        least, most = _shifts(turned.points(plastic), turned.points(sheet), printer)
         if (least <= most).all():
             return turn
     return None
@@ -118,8 +109,6 @@ def _times(size: Floats) -> str:
 def size_warning(design: Design) -> Iterator[str]:
     """Yield a line if no printer with a profile can print a design in one piece in its frame.
 
-    Examples
-    --------
     >>> from asterism.pattern.gallery import load
     >>> list(size_warning(load("dome")))
     []
@@ -144,20 +133,14 @@ def size_warning(design: Design) -> Iterator[str]:
     )
 
 
-def frame_warning(printer: Printer, is_known_to_fit: bool = False) -> Iterator[str]:
+def frame_warning(printer: Printer) -> Iterator[str]:
     """Yield a line if the frame stands out over the bed.
 
-    Parameters
-    ----------
-    is_known_to_fit : the profile of the printer states this frame.
-
-    Examples
-    --------
     >>> next(frame_warning(load_printer("ender-3"))).split(":")[0]
     'the frame of 260 x 260 mm is larger than the bed of 220 x 220 mm'
     """
     frame, bed = printer.frame.size_mm, printer.bed_mm
-    if not is_known_to_fit and any(a > b for a, b in zip(frame, bed, strict=True)):
+    if any(a > b for a, b in zip(frame, bed, strict=True)):
         yield (
             f"the frame of {_sides(frame)} mm is larger than the bed of {_sides(bed)} mm: see that it meets nothing "
             "wherever bed and head go, or give the size of yours with --frame"

@@ -19,18 +19,15 @@ from asterism.pattern.layout.layout import Layout, off_sheet_mm
 from asterism.pattern.layout.symmetries import distances_of_images, symmetries
 from asterism.print.bed_placement import frame_warning
 from asterism.print.formats.registry import demanded_formats, formats_left_out
-from asterism.print.job import Job, prepare
+from asterism.print.job import Job, prepare, with_shape
 from asterism.print.needles import NEEDLE_SPACING_MM
-from asterism.print.printer import PlasticProfile, Printer
-from asterism.print.profiles import adjusted_printer, load_plastic, load_printer
+from asterism.print.printer import PlasticProfile, Printer, adjusted_printer, load_plastic, load_printer
 from asterism.print.write import write_export
 from asterism.process.listeners import Say
 from asterism.results.files import holds_result
 from asterism.results.records.export import ExportRecord, ShapeChangeRecord
 from asterism.shape.read_shape import folder_of, read_shape
 from asterism.shape.shape import Shape
-
-Found = tuple[Shape | None, ShapeChangeRecord | None]
 
 
 @dataclass(frozen=True)
@@ -128,22 +125,20 @@ def export(
     profile = load_plastic(plastic)
     given = read_shape(shape) if isinstance(shape, str | Path) else shape
 
-    def job_with(known: Shape | None) -> Job:
-        return prepare(
-            design,
-            machine,
-            profile,
-            fabric_mm=fabric_mm,
-            fabric_set_percent=fabric_set_percent,
-            border=border,
-            turn_deg=turn_deg,
-            needle_spacing_mm=needle_spacing_mm,
-            shape=known,
-        )
-
     # this finds most mistakes before anything is computed
-    job = job_with(given)
-    warnings = [*formats_left_out(), *frame_warning(machine, frame_is_known), *plastic_warning(design, profile)]
+    job = prepare(
+        design,
+        machine,
+        profile,
+        fabric_mm=fabric_mm,
+        fabric_set_percent=fabric_set_percent,
+        border=border,
+        turn_deg=turn_deg,
+        needle_spacing_mm=needle_spacing_mm,
+        shape=given,
+    )
+    warnings = [*formats_left_out(), *([] if frame_is_known else frame_warning(machine))]
+    warnings += plastic_warning(design, profile)
     if job.below:
         warnings.append("the scripts for OpenSCAD and IceSL are left out: they have plastic on one side only")
     doubts = ["the given shape is not certified as a minimum"] if job.is_certain is False else []
@@ -157,20 +152,15 @@ def export(
         of_shapes[f"the shape by the {by}"] = list(change.get("warnings", ()))
     warnings += [*doubts, *said_once(of_shapes)]
     if computed is not None:
-        job = job_with(computed) if preview or simulate else replace(job, glance=computed)
+        is_written = preview or simulate
+        job = with_shape(job, computed, needle_spacing_mm) if is_written else replace(job, glance=computed)
     return PrintExport(job, write_export(job, directory, change, demanded), tuple(warnings), tuple(doubts))
 
 
 def check_shape_request(
     directory: str | Path, shape: Shape | str | Path | None = None, preview: bool = False, simulate: bool = False
 ) -> None:
-    """Refuse two sources of the shape in space, and a directory whose results its files would replace.
-
-    Raises
-    ------
-    DesignError
-        More than one of `shape`, `preview` and `simulate` is given, or the directory holds other results.
-    """
+    """Raise DesignError for two sources of the shape in space, or a directory whose results its files would replace."""
     given = (("--shape", shape is not None), ("--preview", preview), ("--simulate", simulate))
     options = [name for name, is_given in given if is_given]
     if len(options) > 1:
@@ -187,55 +177,40 @@ def printed_shape(
     law: Law[Any] | None = None,
     report: Callable[[str, Any], None] | None = None,
     say: Say | None = None,
-) -> Found:
-    """The shape of the rounded design, and its distance from the shape of the design as drawn.
+) -> tuple[Shape | None, ShapeChangeRecord | None]:
+    """The shape of the rounded design, and its distance from the shape of the design as drawn; None if not computed.
 
-    Parameters
-    ----------
-    preview, simulate : compute the shape with the preview or with the exact model. Without either, the preview is
-        computed if rounding changes the design, or if there are needles.
-    law : law of the preview; that of the paper's material by default.
-    report, say : called with the progress of the exact model, as in `asterism.verification.both_starts.simulate`.
-
-    Returns
-    -------
-    The printed shape and its change, or None for each that was not computed. If the preview has no law for the fabric
-    or the pattern, the change has the `model` None and the reason in `why`.
-
-    Raises
-    ------
-    LawError
-        `preview` is set, and the preview has no law for this fabric.
+    Without `preview` or `simulate`, the preview is computed if rounding changes the design, or if there are needles. If
+    it has no law for the fabric or the pattern, the change has the `model` None and the reason in `why`.
     """
-    if simulate:
-        # the imports of the exact model take seconds
-        from asterism.verification.both_starts import simulate as solve
-
-        return _both(job, lambda plan: solve(plan, report=report, say=say, law=law), "exact")
-    if not (preview or job.is_rounded or (job.needles and job.shape is None)):
+    if not (simulate or preview or job.is_rounded or (job.needles and job.shape is None)):
         return None, None
-    from asterism.previews.session import preview as fast
+
+    def shape_of(design: Design) -> Shape:
+        if simulate:
+            # the imports of the exact model take seconds
+            from asterism.verification.both_starts import simulate as solve
+
+            return solve(design, report=report, say=say, law=law)
+        from asterism.previews.session import preview as fast
+
+        return fast(design, law)
 
     try:
-        return _both(job, lambda plan: fast(plan, law), "preview")
+        printed = shape_of(job.design)
+        drawn = shape_of(job.drawn) if job.is_rounded else printed
     except (LawError, DesignError) as error:
-        if preview:
+        if preview or simulate:
             raise
         return None, ShapeChangeRecord(model=None, why=" ".join(str(error).split()), are_minima=[])
-
-
-def _both(job: Job, shape_of: Callable[[Design], Shape], model: str) -> tuple[Shape, ShapeChangeRecord]:
-    printed = shape_of(job.design)
-    drawn = shape_of(job.drawn) if job.is_rounded else printed
-    return printed, shape_change(drawn, printed, job.design, job.plan, model)
+    return printed, shape_change(drawn, printed, job.design, job.plan, "exact" if simulate else "preview")
 
 
 def shape_change(drawn: Shape, printed: Shape, design: Design, plan: Layout, model: str) -> ShapeChangeRecord:
-    """Compare the shape of the rounded design with that of the design as drawn, both as their supports hold them.
+    """Compare the shapes before and after rounding, both as their supports hold them.
 
     Parameters
     ----------
-    drawn, printed : the shapes before and after rounding.
     design, plan : the design and layout before or after rounding; both have the same stars.
     model : model of both shapes: `exact` or `preview`.
     """
@@ -246,6 +221,7 @@ def shape_change(drawn: Shape, printed: Shape, design: Design, plan: Layout, mod
     if len(at) > 2:
         before, after_at = drawn.at(at, off_sheet), partial(printed.at, off_sheet_mm=off_sheet)
         distance = float(distances_of_images(at, before, after_at, symmetries(design, plan), free).min())
+    outside = [shape.summary.get("stars_outside_law", ()) for shape in (printed, drawn)]
     change = ShapeChangeRecord(
         model=model,
         height_mm=[drawn.height_mm, printed.height_mm],
@@ -253,9 +229,7 @@ def shape_change(drawn: Shape, printed: Shape, design: Design, plan: Layout, mod
         star_distance_mm=distance,
         star_distance_percent=100.0 * distance / diameter(drawn.positions),
         are_minima=[bool(shape.summary.get("is_minimum", False)) for shape in (drawn, printed)],
-        stars_outside_law=len(
-            printed.summary.get("stars_outside_law", ()) or drawn.summary.get("stars_outside_law", ())
-        ),
+        stars_outside_law=len(outside[0] or outside[1]),
         warnings=list(printed.summary.get("warnings", [])),
     )
     return change.changed(minima=printed.summary["minima"]) if model == "exact" else change

@@ -29,8 +29,8 @@ class Chapter:
     """A chapter of the instructions: heading, paragraphs, and lines of code below them."""
 
     title: str
-    paragraphs: tuple[str, ...]
-    code: tuple[str, ...] = ()
+    paragraphs: Sequence[str]
+    code: Sequence[str] = ()
 
 
 def chapters(job: Job, tiny: list[TinyStarRecord]) -> tuple[Chapter, ...]:
@@ -40,17 +40,13 @@ def chapters(job: Job, tiny: list[TinyStarRecord]) -> tuple[Chapter, ...]:
 
 def _stretch(job: Job) -> Chapter:
     x, y = job.check_after_mm
-    grain: tuple[str, ...] = ()
+    lines = [
+        f"Draw a square of {job.check_before_mm:g} mm on the relaxed fabric, near the middle (page 2 of layout.pdf). "
+        f"Clamp the fabric in its frame: the square must now be {x:.1f} mm wide and {y:.1f} mm deep."
+    ]
     if job.design.fabric.is_orthotropic:
-        grain = (f"The fabric has a grain, which decides the shape: see the arrow there. {grain_in_words(job)}",)
-    return Chapter(
-        "1. Stretch the fabric",
-        (
-            f"Draw a square of {job.check_before_mm:g} mm on the relaxed fabric, near the middle (page 2 of "
-            f"layout.pdf). Clamp the fabric in its frame: the square must now be {x:.1f} mm wide and {y:.1f} mm deep.",
-            *grain,
-        ),
-    )
+        lines.append(f"The fabric has a grain, which decides the shape: see the arrow there. {grain_in_words(job)}")
+    return Chapter("1. Stretch the fabric", lines)
 
 
 def _mount(job: Job) -> Chapter:
@@ -89,7 +85,7 @@ def _offset(job: Job) -> Chapter:
             "meaning differ from slicer to slicer, and add start.gcode to the end of the printer's start code, which "
             "keeps temperatures and homing. Take its purge line out, which would meet the frame.",
         ),
-        tuple(job.start_code.splitlines()),
+        job.start_code.splitlines(),
     )
 
 
@@ -123,7 +119,7 @@ def _slice(job: Job, tiny: list[TinyStarRecord]) -> Chapter:
             f"Tiny {job.printed_word} may jump off the fabric. Watch those at {places}{more} (mm from the design's "
             "origin), or lengthen or remove them."
         )
-    return Chapter("4. Slice", tuple(lines))
+    return Chapter("4. Slice", lines)
 
 
 def _box(name: str, solids: Sequence[Solid]) -> str:
@@ -140,8 +136,7 @@ def _box(name: str, solids: Sequence[Solid]) -> str:
 
 def _lines_across(job: Job) -> str:
     """How many lines lie side by side in arms and rods, by their widths."""
-    widths = {w for arm in job.arms for w in (arm.begin_width_mm, arm.end_width_mm)}
-    widths |= {w for rod in job.rods for w in rod.width.tolist()}
+    widths = {width for piece in (*job.arms, *job.rods) for width in piece.width.tolist()}
     at = {max(round(width / job.rounding.line_mm), 1): width for width in sorted(widths)}
     each = [f"{lines} line{'s' * (lines > 1)} across {width:.3g} mm" for lines, width in sorted(at.items())]
     # largest number of widths of arms in the instructions
@@ -162,14 +157,8 @@ def _print(job: Job) -> Chapter:
         )
     if job.below:
         sides.append("The fabric must lie on the plate both ways: use a plate that fits into the frame's opening.")
-    return Chapter(
-        "5. Print",
-        (
-            *sides,
-            f"About {cost.minutes:.0f} minutes, {cost.filament_m:.2f} m or {cost.mass_g:.2f} g of "
-            f"{job.plastic.name}. Stay with the first layer: it must wet the fabric everywhere.",
-        ),
-    )
+    takes = f"About {cost.minutes:.0f} minutes, {cost.filament_m:.2f} m or {cost.mass_g:.2f} g of {job.plastic.name}."
+    return Chapter("5. Print", [*sides, f"{takes} Stay with the first layer: it must wet the fabric everywhere."])
 
 
 def _finish(job: Job) -> Chapter:
@@ -212,7 +201,7 @@ def _finish(job: Job) -> Chapter:
         lines.append(f"Set them in the design's order: first {', then '.join(turns)}.")
     if job.is_certain is False:
         lines.append("The shape is not certified as a minimum: the sheet may take another form. See export.json.")
-    return Chapter("6. Release, cut, pin", tuple(lines))
+    return Chapter("6. Release, cut, pin", lines)
 
 
 def _heights(needles: Sequence[Needle]) -> str:
@@ -243,14 +232,13 @@ def as_text(job: Job, parts: tuple[Chapter, ...]) -> str:
 
 def as_pages(job: Job, parts: tuple[Chapter, ...]) -> list[Drawing]:
     """The instructions as A4 pages."""
-    name = job.design.name
-    pages: list[list[Polyline | Circle | Label]] = []
-    top, bottom = A4_MM[1] - _MARGIN_MM, _MARGIN_MM
+    name, top, bottom = job.design.name, A4_MM[1] - _MARGIN_MM, _MARGIN_MM
     size = font_size_within(name, 6.5, A4_MM[0] - 2 * _MARGIN_MM)
     items: list[Polyline | Circle | Label] = [
         Label(TEXT, np.array([_MARGIN_MM, top - 6.0]), name, size, bold=True),
         Label(TEXT, np.array([_MARGIN_MM, top - 14.0]), f"How to print it on the {job.printer.name}", 4.2),
     ]
+    pages = [items]
     y = top - 24.0
     for part in parts:
         lines = [(part.title, True, False, 6.4)]
@@ -261,12 +249,11 @@ def as_pages(job: Job, parts: tuple[Chapter, ...]) -> list[Drawing]:
         lines += [(line, False, True, 4.3) for line in part.code]
         # a chapter stays on one page
         if y - sum(step for *_, step in lines) < bottom:
-            pages.append(items)
             items, y = [], top - 6.0
+            pages.append(items)
         for line, bold, code, step in lines:
             at = np.array([_MARGIN_MM + (6.0 if code else 0.0), y])
             items.append(Label(TEXT, at, line, 4.1 if bold else 3.1 if code else 3.35, bold=bold, fixed_pitch=code))
             y -= step
         y -= 2.8
-    pages.append(items)
     return [Drawing(f"{name}: instruction", np.zeros(2), np.array(A4_MM), tuple(items)) for items in pages]

@@ -3,10 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 import shapely
@@ -18,18 +17,10 @@ from asterism.pattern.design.rounding import Rounding
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout, off_sheet_mm
 from asterism.print.bed_placement import BedPlacement, place_on_bed, room_mm
-from asterism.print.needles import Needle, needles, needles_through_arms
-from asterism.print.pieces import (
-    ArmPiece,
-    RodPiece,
-    arm_pieces,
-    border_terrace,
-    cutting_lines,
-    plastic_terraces,
-    rod_pieces,
-)
+from asterism.print.needles import Needle, needles, needles_in_plastic
+from asterism.print.pieces import Piece, border_terrace, cutting_lines, pieces, plastic_terraces
 from asterism.print.printer import PlasticProfile, Printer
-from asterism.print.rounded import choose_rounding, rounded_layout, size_changes, with_rounding, without_rounding
+from asterism.print.rounded import choose_rounding, rounded_layout, size_changes, with_rounding
 from asterism.print.solid import Solid, Terrace, terraced_solid
 from asterism.results.records.export import PrintCostRecord, SizeChangeRecord
 from asterism.shape.shape import Shape
@@ -46,8 +37,7 @@ class Job:
     ----------
     drawn, design : the design as drawn, and with the printer's rounding.
     drawn_plan, plan : their layouts, in printed coordinates.
-    arms : pieces of all arms, relative to the centres of the stars of `plan`.
-    rods : pieces of all drawn rods, in printed coordinates.
+    arms, rods : pieces of all arms and of all drawn rods, in printed coordinates.
     placement : motion from printed coordinates to those of the sheets.
     pattern, border : terraces of plastic in sheet coordinates: stars and drawn rods, and the line to cut along; no
         border if it is switched off or does not fit.
@@ -69,8 +59,8 @@ class Job:
     rounding: Rounding
     drawn_plan: Layout
     plan: Layout
-    arms: tuple[ArmPiece, ...]
-    rods: tuple[RodPiece, ...]
+    arms: list[Piece]
+    rods: list[Piece]
     placement: BedPlacement
     pattern: tuple[Terrace, ...]
     border: Terrace | None
@@ -137,8 +127,8 @@ class Job:
 
     @cached_property
     def needles_in_plastic(self) -> list[int]:
-        """Numbers of the needles that meet an arm."""
-        return needles_through_arms(self.plan, self.needles)
+        """Numbers of the needles that meet an arm or a drawn rod."""
+        return needles_in_plastic(self.plan, self.needles)
 
     @property
     def seen(self) -> Shape | None:
@@ -148,10 +138,9 @@ class Job:
     @property
     def is_certain(self) -> bool | None:
         """Whether the shape whose files are written is a certified minimum; None without a shape or a certificate."""
-        summary: Mapping[str, Any] = {} if self.shape is None else self.shape.summary
-        if "is_minimum" not in summary:
+        if self.shape is None or "is_minimum" not in self.shape.summary:
             return None
-        return bool(summary["is_minimum"] and summary.get("converged", True))
+        return bool(self.shape.summary["is_minimum"] and self.shape.summary.get("converged", True))
 
     @property
     def shape_warnings(self) -> list[str]:
@@ -176,9 +165,8 @@ class Job:
     @property
     def hangs_doubt_mm(self) -> float | None:
         """Estimated error of the height of the sheet (mm); None if the shape is not a preview."""
-        summary: Mapping[str, Any] = {} if self.seen is None else self.seen.summary
-        percent = summary.get("expected_height_percent")
-        return None if percent is None else percent / 100.0 * summary["height_mm"]
+        percent = None if self.seen is None else self.seen.summary.get("expected_height_percent")
+        return None if self.seen is None or percent is None else percent / 100.0 * self.seen.summary["height_mm"]
 
     @cached_property
     def prints(self) -> dict[str, tuple[Solid, ...]]:
@@ -224,22 +212,9 @@ def prepare(
     shape: Shape | None = None,
     any_size: bool = False,
 ) -> Job:
-    """Round a design for a printer and place it on the bed.
+    """Round a design for a printer and place it on the bed; options and errors are those of `export`.
 
-    Parameters
-    ----------
-    fabric_mm : thickness of the stretched fabric; by default the design's, which is that of the released fabric.
-    fabric_set_percent : by how much the fabric is longer after its release than before it was stretched.
-    border : print a line to cut along, if it fits the bed and the frame.
-    turn_deg : counterclockwise turn of the print on the bed.
-    needle_spacing_mm : largest distance of needles on supported edges.
-    shape : the sheet in space.
-    any_size : accept a print that does not fit, with the reason in `too_large`.
-
-    Raises
-    ------
-    DesignError
-        The print does not fit the bed or the frame, its rounded arms overlap, or a value is out of range.
+    With `any_size` a print that does not fit is accepted, with the reason in `too_large`.
     """
     for option, value, limits in (
         ("--fabric", fabric_mm, (0.01, 50.0)),  # the lower limit is that of a design
@@ -257,14 +232,13 @@ def prepare(
     rounding = choose_rounding(drawn_plan, printer)
     rounded = with_rounding(design, rounding)
     plan = rounded_layout(rounded, printer)
-    arms = tuple(arm_pieces(plan, rounding))
-    rods = tuple(rod_pieces(plan, rounding))
-    here = plastic_terraces(plan, arms, rods)
-    faces = [
-        ([arm for arm in arms if plan.star_side[arm.star] == side], [rod for rod in rods if rod.side == side])
+    arms, rods = pieces(plan, rounding)
+    here = plastic_terraces(arms, rods)
+    sides = {piece.side for piece in (*arms, *rods)}
+    above, below = (
+        here if sides == {side} else plastic_terraces(*([p for p in each if p.side == side] for each in (arms, rods)))
         for side in (1, -1)
-    ]
-    above, below = (plastic_terraces(plan, *pieces) if any(pieces) else () for pieces in faces)
+    )
     x, y = design.fabric.stretch_xy
     if x != y and turn_deg % 360:
         raise DesignError("--turn", "must be 0 on a fabric that is stretched differently along x and y", turn_deg)
@@ -278,9 +252,7 @@ def prepare(
     line = placement.step(border_terrace(plan, here, rounding)) if border else None
     if line is not None and not _has_room(line, printer):
         line = None
-    if shape is not None:
-        _check_same_sheet(design, plan, shape)
-    return Job(
+    job = Job(
         drawn=design,
         design=rounded,
         printer=printer,
@@ -291,18 +263,24 @@ def prepare(
         arms=arms,
         rods=rods,
         placement=placement,
-        pattern=tuple(placement.step(step) for step in here),
+        pattern=tuple(map(placement.step, here)),
         border=line,
         cut=cutting_lines(plan, rods),
-        fabric_mm=design.fabric.thickness_mm if fabric_mm is None else fabric_mm,
+        fabric_mm=released_mm if fabric_mm is None else fabric_mm,
         fabric_given=fabric_mm is not None,
-        needles=needles(plan, needle_spacing_mm, shape),
-        above=tuple(placement.step(step) for step in above),
-        below=tuple(placement.step(step) for step in below),
-        shape=shape,
+        needles=needles(plan, needle_spacing_mm),
+        above=tuple(map(placement.step, above)),
+        below=tuple(map(placement.step, below)),
         too_large=too_large,
         fabric_set_percent=fabric_set_percent,
     )
+    return job if shape is None else with_shape(job, shape, needle_spacing_mm)
+
+
+def with_shape(job: Job, shape: Shape, needle_spacing_mm: float) -> Job:
+    """The job with the sheet in space, and its needles there; DesignError for a shape of another design."""
+    _check_same_sheet(job.drawn, job.plan, shape)
+    return replace(job, shape=shape, needles=needles(job.plan, needle_spacing_mm, shape))
 
 
 def _has_room(step: Terrace, printer: Printer) -> bool:
@@ -315,8 +293,7 @@ def _has_room(step: Terrace, printer: Printer) -> bool:
 
 def _check_same_sheet(design: Design, plan: Layout, shape: Shape) -> None:
     """Refuse a shape of another design: another outline, other stars, or other values in its summary."""
-    box = np.array([plan.outline.min(axis=0), plan.outline.max(axis=0)])
-    other = np.array([shape.printed.min(axis=0), shape.printed.max(axis=0)])
+    box, other = (np.array([points.min(axis=0), points.max(axis=0)]) for points in (plan.outline, shape.printed))
     # the mesh has chords of a curved outline
     if np.abs(box - other).max() > (off_sheet_mm(plan, len(shape.printed)) if plan.rim else 1e-3):
         sides = [" x ".join(f"{side:.1f}" for side in sizes) for sizes in (np.ptp(box, axis=0), np.ptp(other, axis=0))]
@@ -326,11 +303,11 @@ def _check_same_sheet(design: Design, plan: Layout, shape: Shape) -> None:
         raise DesignError("shape", f"must be of this design with its {len(plan.centres)} stars", stars)
     if "design" in shape.summary:
         try:
-            made_from = without_rounding(Design.from_dict(shape.summary["design"]))
+            made_from = with_rounding(Design.from_dict(shape.summary["design"]), None)
         except DesignError as error:  # it would be taken for a mistake of the design at hand
             raise DesignError("shape", f"must be of this design, but its own has a mistake: {error}") from None
         for section in ("lattice", "stars", "rods", "border", "pins", "gravity"):
-            if getattr(made_from, section) != getattr(without_rounding(design), section):
+            if getattr(made_from, section) != getattr(with_rounding(design, None), section):
                 raise DesignError("shape", f"must be of this design, but its {section} are others")
         if made_from.fabric.stretch_xy != design.fabric.stretch_xy:
             raise DesignError("shape", "must be of this design, but its fabric was stretched otherwise")
@@ -341,14 +318,10 @@ def _check_same_sheet(design: Design, plan: Layout, shape: Shape) -> None:
 def print_cost(
     prints: Sequence[Sequence[Terrace]], printer: Printer, rounding: Rounding, plastic: PlasticProfile
 ) -> PrintCostRecord:
-    """Volume, mass, filament and time of a print.
+    """Volume, mass, filament and time of a print, from the nested terraces of each solid.
 
     Lines as wide as the nozzle fill each layer at the printer's speed. The nozzle travels from each island of a layer
     to the nearest one, and loses `speed.island_s` at each. Acceleration is not modelled.
-
-    Parameters
-    ----------
-    prints : nested terraces of each solid.
     """
     volume = float(
         sum(

@@ -58,14 +58,13 @@ class Needle:
 def needles(plan: Layout, spacing_mm: float, shape: Shape | None = None) -> tuple[Needle, ...]:
     """Needles at all pins of a layout; on supported edges, their corners included, at most `spacing_mm` apart.
 
-    The design gives the places of fixed supports, and `shape` the places of sliding ones. If the supports leave the
-    height free, that of the lowest needle is 0.
+    The design gives the places of fixed supports, and `shape` those of sliding ones.
     """
     placed: list[Needle] = []
+    off_sheet = 0.0 if shape is None else off_sheet_mm(plan, len(shape.printed))
     for pins in plan.pins:
         along = [_along(line, spacing_mm) for line in _smooth_lines(pins, plan.edges)]
         printed = np.concatenate([pins.points, *along])
-        off_sheet = 0.0 if shape is None else off_sheet_mm(plan, len(shape.printed))
         places = _places(pins, printed, shape, off_sheet)
         for k, point in enumerate(printed):
             # adjacent edges share a corner
@@ -122,14 +121,13 @@ def needles_near_edge(plan: Layout, some: Sequence[Needle]) -> list[int]:
     return [needle.number for needle, far in zip(some, away, strict=True) if far < 2.0]
 
 
-def needles_through_arms(plan: Layout, some: Sequence[Needle]) -> list[int]:
+def needles_in_plastic(plan: Layout, some: Sequence[Needle]) -> list[int]:
     """Numbers of the needles that meet an arm or a drawn rod."""
-    if not some:
+    if not some or not plan.graph.rods:
         return []
     printed = np.array([needle.printed for needle in some])[:, None]
-    far = distance_to_segment(printed, plan.centres[plan.arm_star], plan.arm_tip)
-    through = (far < 0.5 * plan.arm_width.max(axis=1)).any(axis=1)
-    for rod in plan.drawn_rods:
-        from_line = distance_to_segment(printed, rod.points[:-1], rod.points[1:])
-        through |= (from_line < 0.5 * np.maximum(rod.width[:-1], rod.width[1:])).any(axis=1)
-    return [needle.number for needle, hit in zip(some, through, strict=True) if hit]
+    rods = plan.graph.rods
+    begin, end = (np.concatenate([rod.points[part] for rod in rods]) for part in (slice(-1), slice(1, None)))
+    width = np.concatenate([np.maximum(rod.width[:-1], rod.width[1:]) for rod in rods])
+    near = distance_to_segment(printed, begin, end) < 0.5 * width
+    return [needle.number for needle, hit in zip(some, near, strict=True) if hit.any()]

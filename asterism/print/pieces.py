@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,51 +17,69 @@ from asterism.print.solid import GRID_MM, Terrace, nested_terraces
 
 
 @dataclass(frozen=True)
-class ArmPiece:
-    """A straight piece of an arm with one height.
+class Piece:
+    """A part of a rod with one height: an arm, from the centre of its star outwards, or a drawn rod.
 
     Attributes
     ----------
-    star : number of the star in the layout.
-    direction : (2,) unit vector from the centre of the star.
-    begin_mm, end_mm : distances of both ends from the centre.
-    begin_width_mm, end_width_mm : widths at both ends, linear between them.
+    number : of the rod in the layout's graph.
+    points : (n, 2) mm, polyline of the middle line.
+    width : (n,) mm at the points, linear between them.
     height_mm : printed height.
+    round_ends : whether the beginning and the end are round, because the rod meets others there.
+    side : face of the fabric that carries it: 1 above, -1 below.
     """
 
-    star: int
-    direction: Floats
-    begin_mm: float
-    end_mm: float
-    begin_width_mm: float
-    end_width_mm: float
+    number: int
+    points: Floats
+    width: Floats
     height_mm: float
+    round_ends: tuple[bool, bool]
+    side: int = 1
 
-    def corners(self, centre: Floats) -> Floats:
-        """(4, 2) mm, corners, counterclockwise."""
-        begin, end = centre + self.begin_mm * self.direction, centre + self.end_mm * self.direction
-        return _strip(begin, end, self.direction, self.begin_width_mm, self.end_width_mm)
+    @property
+    def region(self) -> BaseGeometry:
+        """The printed area in printed coordinates, mm: a strip of this width with round corners.
+
+        >>> piece = Piece(0, np.array([[0.0, 0.0], [10.0, 0.0]]), np.array([1.0, 2.0]), 0.3, (False, False))
+        >>> piece.region.area
+        15.0
+        """
+        return shapely.union_all(self.parts)
+
+    @property
+    def parts(self) -> list[BaseGeometry]:
+        """A quadrilateral for each straight part of the middle line, then the discs at its round points."""
+        along = np.diff(self.points, axis=0)
+        along /= np.linalg.norm(along, axis=1, keepdims=True)
+        aside = np.column_stack([-along[:, 1], along[:, 0]])
+        begin, end = (0.5 * width[:, None] * aside for width in (self.width[:-1], self.width[1:]))
+        a, b = self.points[:-1], self.points[1:]
+        corners = np.stack([a - begin, b - end, b + end, a + begin], axis=1)
+        is_round = np.ones(len(self.points), dtype=bool)
+        is_round[[0, -1]] = self.round_ends
+        discs = shapely.buffer(shapely.points(self.points[is_round]), self.width[is_round] / 2, quad_segs=8)
+        return [*shapely.polygons(corners), *discs]
 
 
-def arm_pieces(plan: Layout, rounding: Rounding) -> list[ArmPiece]:
-    """The pieces of all arms, arm by arm from the centre outwards.
+def pieces(plan: Layout, rounding: Rounding) -> tuple[list[Piece], list[Piece]]:
+    """The pieces of all arms and of all drawn rods, rod by rod from start to end.
 
-    An arm is the strip of the model, from the centre of the star to the tip, with a straight end. An arm of varying
-    thickness is printed in steps of one layer.
+    A rod of varying thickness is printed in steps of one layer. An arm is round at the centre of its star, where arms
+    that the border cuts away leave a gap, and has a straight end.
     """
-    result: list[ArmPiece] = []
-    along = plan.arm_tip - plan.centres[plan.arm_star]
-    for arm, (star, length) in enumerate(zip(plan.arm_star, plan.arm_length, strict=True)):
-        heights, ends = height_steps(plan.arm_thickness[arm], rounding)
-        widths = np.interp(ends, [0.0, 1.0], plan.arm_width[arm])
-        for k, height in enumerate(heights):
-            begin, end = ends[k] * length, ends[k + 1] * length
-            result.append(ArmPiece(int(star), along[arm] / length, begin, end, widths[k], widths[k + 1], float(height)))
-    return result
+    degree = [len(ends) for ends in plan.graph.ends_at]
+    arms, drawn = list[Piece](), list[Piece]()
+    for number, rod in enumerate(plan.graph.rods):
+        if number < len(plan.arm_star):
+            arms += _pieces(number, rod, rounding, (True, False))
+        else:
+            drawn += _pieces(number, rod, rounding, (degree[rod.start] > 1, degree[rod.end] > 1))
+    return arms, drawn
 
 
 def height_steps(thickness: Floats, rounding: Rounding) -> tuple[Floats, Floats]:
-    """Heights along an arm, each with its begin and end as fractions of the arm's length."""
+    """Heights along a straight part of a rod, each with its begin and end as fractions of its length."""
     first, last = (float(h) for h in thickness)
     if first == last:
         return np.array([first]), np.array([0.0, 1.0])
@@ -74,60 +92,7 @@ def height_steps(thickness: Floats, rounding: Rounding) -> tuple[Floats, Floats]
     return rounding.thickness(first + middles * (last - first)), ends
 
 
-@dataclass(frozen=True)
-class RodPiece:
-    """A part of a drawn rod with one height.
-
-    Attributes
-    ----------
-    rod : number among the layout's `drawn_rods`.
-    points : (n, 2) mm, polyline of the middle line.
-    width : (n,) mm at the points, linear between them.
-    height_mm : printed height.
-    round_ends : whether the beginning and the end are round, because the rod meets another one there.
-    side : face of the fabric that carries it: 1 above, -1 below.
-    """
-
-    rod: int
-    points: Floats
-    width: Floats
-    height_mm: float
-    round_ends: tuple[bool, bool]
-    side: int = 1
-
-    @property
-    def region(self) -> BaseGeometry:
-        """The printed area in printed coordinates, mm: a strip of this width with round corners.
-
-        Examples
-        --------
-        >>> piece = RodPiece(0, np.array([[0.0, 0.0], [10.0, 0.0]]), np.array([1.0, 2.0]), 0.3, (False, False))
-        >>> piece.region.area
-        15.0
-        """
-        along = np.diff(self.points, axis=0)
-        along /= np.linalg.norm(along, axis=1, keepdims=True)
-        corners = [*map(_strip, self.points, self.points[1:], along, self.width, self.width[1:])]
-        is_round = np.ones(len(self.points), dtype=bool)
-        is_round[[0, -1]] = self.round_ends
-        discs = shapely.buffer(shapely.points(self.points[is_round]), self.width[is_round] / 2, quad_segs=8)
-        return shapely.union_all([*shapely.polygons(np.array(corners)), *discs])
-
-
-def rod_pieces(plan: Layout, rounding: Rounding) -> list[RodPiece]:
-    """The pieces of all drawn rods, rod by rod from start to end.
-
-    A rod of varying thickness is printed in steps of one layer.
-    """
-    degree = [len(ends) for ends in plan.graph.ends_at]
-    return [
-        piece
-        for number, rod in enumerate(plan.drawn_rods)
-        for piece in _pieces(number, rod, rounding, (degree[rod.start] > 1, degree[rod.end] > 1))
-    ]
-
-
-def _pieces(number: int, rod: Rod, rounding: Rounding, round_ends: tuple[bool, bool]) -> list[RodPiece]:
+def _pieces(number: int, rod: Rod, rounding: Rounding, round_ends: tuple[bool, bool]) -> Iterator[Piece]:
     heights: list[float] = []
     runs: list[list[float]] = []
     known = rod.arc_lengths / rod.length
@@ -140,47 +105,26 @@ def _pieces(number: int, rod: Rod, rounding: Rounding, round_ends: tuple[bool, b
             else:
                 heights.append(float(height))
                 runs.append([float(begin), float(end)])
-    last = len(runs) - 1
-    return [
-        RodPiece(
-            number,
-            rod.at(rod.points, np.array(run)),
-            rod.at(rod.width, np.array(run)),
-            height,
-            (round_ends[0] and k == 0, round_ends[1] and k == last),
-            rod.side,
-        )
-        for k, (height, run) in enumerate(zip(heights, runs, strict=True))
-    ]
+    for k, (height, run) in enumerate(zip(heights, runs, strict=True)):
+        points, width = (rod.at(values, np.array(run)) for values in (rod.points, rod.width))
+        ends_here = round_ends[0] and k == 0, round_ends[1] and k == len(runs) - 1
+        yield Piece(number, points, width, height, ends_here, rod.side)
 
 
-def _strip(begin: Floats, end: Floats, along: Floats, begin_width: float, end_width: float) -> Floats:
-    """(4, 2) mm, corners of a straight strip in a unit direction, counterclockwise."""
-    side = np.array([-along[1], along[0]])
-    a, b = begin_width / 2 * side, end_width / 2 * side
-    return np.array([begin - a, end - b, end + b, begin + a])
+def plastic_terraces(arms: Sequence[Piece], drawn: Sequence[Piece]) -> tuple[Terrace, ...]:
+    """Terraces of all arms and drawn rods in printed coordinates; overlapping pieces are united."""
+    regions = [(piece.height_mm, piece.region) for piece in drawn]
+    regions += [(piece.height_mm, part) for piece in arms for part in piece.parts]
+    return nested_terraces(regions) if regions else ()
 
 
-def plastic_terraces(plan: Layout, arms: Sequence[ArmPiece], rods: Sequence[RodPiece] = ()) -> tuple[Terrace, ...]:
-    """Terraces of all stars and drawn rods in printed coordinates; overlapping pieces are united."""
-    regions: list[tuple[float, BaseGeometry]] = [(piece.height_mm, piece.region) for piece in rods]
-    for strip in arms:
-        centre = plan.centres[strip.star]
-        regions.append((strip.height_mm, shapely.Polygon(strip.corners(centre))))
-        if strip.begin_mm == 0.0:
-            # where the border cuts arms away, the remaining arms meet in a round corner
-            disc = shapely.Point(centre).buffer(strip.begin_width_mm / 2, quad_segs=8)
-            regions.append((strip.height_mm, disc))
-    return nested_terraces(regions)
-
-
-def cutting_lines(plan: Layout, rods: Sequence[RodPiece]) -> tuple[Floats, ...]:
+def cutting_lines(plan: Layout, drawn: Sequence[Piece]) -> tuple[Floats, ...]:
     """Closed lines (n, 2) mm to cut along, the outline first: the far edges of printed rims, or border and holes."""
     sheet = shapely.Polygon(plan.outline, plan.holes)
-    rims = {rod - len(plan.arm_star) for rim in (plan.rim, *plan.hole_rims) for rod in rim}
+    rims = {rod for rim in (plan.rim, *plan.hole_rims) for rod in rim}
     if not rims:
         return (plan.outline, *plan.holes)
-    with_rims = shapely.union_all([sheet, *(piece.region for piece in rods if piece.rod in rims)])
+    with_rims = shapely.union_all([sheet, *(piece.region for piece in drawn if piece.number in rims)])
     return tuple(shapely.get_coordinates(ring)[:-1] for ring in shapely.get_rings(with_rims))
 
 

@@ -1,13 +1,16 @@
-"""The profile of a printer, for the layout, the start code and the estimate of the time."""
+"""Profiles of printers and plastics: for the layout, the start code and the estimate of the time."""
 
 from __future__ import annotations
 
 import re
-from typing import Annotated, Literal, Self
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Literal, Self, TypeVar
 
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, ValidationError, field_validator, model_validator
 
-from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.errors import DesignError, from_validation
+from asterism.pattern.design.files import own_folders, read_table
 from asterism.pattern.design.rounding import Rounding
 from asterism.pattern.design.section import Line, MassDensity, Number, Point, Section, Text
 
@@ -125,12 +128,10 @@ class Printer(Section):
             raise DesignError("", "must use {z_offset_mm} or {above_bed_mm}: the nozzle starts on the fabric")
         return code
 
-    def roundings(self) -> tuple[Rounding, ...]:
+    def roundings(self) -> list[Rounding]:
         """The sizes that the printer can make, for each height of the first layer."""
-        return tuple(
-            Rounding(first_layer_mm=first, layer_mm=self.layer_mm, line_mm=self.nozzle_mm)
-            for first in self.first_layers_mm
-        )
+        sizes = {"layer_mm": self.layer_mm, "line_mm": self.nozzle_mm}
+        return [Rounding(first_layer_mm=first, **sizes) for first in self.first_layers_mm]
 
     @property
     def bed_centre_mm(self) -> tuple[float, float]:
@@ -177,3 +178,71 @@ class PlasticProfile(Section):
     nozzle_c: Number | None = Field(None, ge=0, le=500)
     bed_c: Number | None = Field(None, ge=0, le=200)
     advice: tuple[Line, ...] = Field((), max_length=20)
+
+
+_PACKAGE_FOLDER = Path(__file__).parent / "data"
+_Kind = TypeVar("_Kind", bound=Section)
+
+
+def profile_names(kind: str) -> list[str]:
+    """Names of all profiles of a kind: `printers` or `plastics`."""
+    return sorted({path.stem for path in _files(kind)})
+
+
+def load_printer(printer: str | Printer) -> Printer:
+    """The profile of a printer, by its name, by the path of a `.toml` or `.json` file, or as it is.
+
+    A `DesignError` says that no profile has the name, or names the field of the file that is wrong, and the range.
+    """
+    return _load("printers", printer, Printer)
+
+
+def load_plastic(plastic: str | PlasticProfile) -> PlasticProfile:
+    """The profile of a plastic; parameter and errors as of `load_printer`."""
+    return _load("plastics", plastic, PlasticProfile)
+
+
+def _load(kind: str, name_or_file: str | _Kind, section: type[_Kind]) -> _Kind:
+    if not isinstance(name_or_file, str):
+        return name_or_file
+    path = Path(name_or_file)
+    if path.suffix.lower() not in (".toml", ".json"):
+        files = [file for file in _files(kind) if file.stem == name_or_file]
+        if not files:
+            allowed = f"must be a file (.toml) or a name: {', '.join(profile_names(kind))}"
+            raise DesignError(f"--{kind[:-1]}", allowed, name_or_file)
+        path = files[0]
+    try:
+        return section.model_validate(read_table(path))
+    except ValidationError as error:
+        raise from_validation(error, path) from None
+
+
+def _files(kind: str) -> list[Path]:
+    """In the order of the search: of `ASTERISM_PROFILES`, of the user, of the package."""
+    return [file for folder in (*own_folders(), _PACKAGE_FOLDER) for file in sorted((folder / kind).glob("*.toml"))]
+
+
+def adjusted_printer(
+    machine: Printer,
+    first_layer: float | None = None,
+    layer: float | None = None,
+    plate: float | None = None,
+    frame: Sequence[float] | None = None,
+) -> Printer:
+    """The printer with other layer heights (mm), another thickness of the plate (mm) and another frame (2,) mm.
+
+    Values that are not given stay. A `DesignError` names an option that is out of range.
+    """
+    data = machine.model_dump(mode="json")
+    data |= {} if first_layer is None else {"first_layers_mm": [first_layer]}
+    data |= {} if layer is None else {"layer_mm": layer}
+    data["frame"] |= {} if plate is None else {"plate_mm": plate}
+    data["frame"] |= {} if frame is None else {"size_mm": list(frame)}
+    options = {"first_layers_mm[0]": "--first-layer", "layer_mm": "--layer", "frame.plate_mm": "--plate"}
+    options |= {f"frame.{name}": "--frame" for name in ("size_mm", "bar_mm")}
+    try:
+        return Printer.model_validate(data)
+    except ValidationError as error:
+        wrong = from_validation(error)
+        raise DesignError(options.get(wrong.field, wrong.field), wrong.allowed, wrong.value) from None

@@ -25,11 +25,6 @@ MAX_LAYER_OVER_LINE = 0.75
 _MIN_CHANGE_FOR_PROPOSAL = 0.02
 
 
-def without_rounding(design: Design) -> Design:
-    """The design without rounding."""
-    return with_rounding(design, None)
-
-
 def with_rounding(design: Design, rounding: Rounding | None) -> Design:
     """The design with another rounding of its stars and drawn rods."""
     patterns = {name: section for name in ("stars", "rods") if (section := getattr(design, name)) is not None}
@@ -53,9 +48,9 @@ def rounded_layout(design: Design, printer: Printer) -> Layout:
 def size_changes(before: Layout, after: Layout) -> dict[str, SizeChangeRecord]:
     """Changes of the sizes of the arms and rods by rounding: `thickness` and `width`."""
     result: dict[str, SizeChangeRecord] = {}
-    star, groups = np.repeat(after.arm_star, 2), len(after.centres)
-    rods = after.drawn_rods
-    owner = np.concatenate([star, groups + np.repeat(np.arange(len(rods)), [len(rod.points) for rod in rods])])
+    groups = len(after.centres)
+    owners = [*after.arm_star, *(groups + np.arange(len(after.drawn_rods)))]
+    owner = np.repeat(owners, [len(rod.points) for rod in after.graph.rods])
     for name in ("thickness", "width"):
         old, new = _sizes(before, name), _sizes(after, name)
         changed = np.unique(owner[np.abs(new - old) > 1e-6])
@@ -72,7 +67,7 @@ def size_changes(before: Layout, after: Layout) -> dict[str, SizeChangeRecord]:
 
 def _sizes(plan: Layout, name: str) -> Floats:
     """(n,) mm, `thickness` or `width` at both ends of all arms, then at the points of all drawn rods."""
-    return np.concatenate([getattr(plan, f"arm_{name}").ravel(), *(getattr(rod, name) for rod in plan.drawn_rods)])
+    return np.concatenate([getattr(rod, name) for rod in plan.graph.rods])
 
 
 def better_layers(plan: Layout, rounding: Rounding) -> Rounding | None:
@@ -96,33 +91,19 @@ def better_layers(plan: Layout, rounding: Rounding) -> Rounding | None:
 
 def tiny_pieces(plan: Layout, arm_mm: float) -> list[TinyStarRecord]:
     """Stars whose longest arm is shorter than `arm_mm`, and drawn rods that are shorter with all that they meet."""
-    return [*_tiny_stars(plan, arm_mm), *_tiny_islands(plan, arm_mm)]
-
-
-def _tiny_islands(plan: Layout, arm_mm: float) -> list[TinyStarRecord]:
-    if not plan.drawn_rods:
-        return []
-    ends = np.array([[rod.start, rod.end] for rod in plan.drawn_rods])
-    nodes = plan.graph.nodes
-    links = coo_array((np.ones(len(ends)), ends.T), shape=(len(nodes), len(nodes)))
-    island = connected_components(links, directed=False)[1][ends[:, 0]]
-    length = np.bincount(island, [rod.length for rod in plan.drawn_rods])
-    return [
-        TinyStarRecord(
-            at_mm=[round(float(c), 2) for c in nodes[ends[island == number]].reshape(-1, 2).mean(axis=0)],
-            arm_mm=round(float(length[number]), 2),
-        )
-        for number in np.unique(island)
-        if length[number] < arm_mm
-    ]
-
-
-def _tiny_stars(plan: Layout, arm_mm: float) -> list[TinyStarRecord]:
     longest = np.zeros(len(plan.centres))
     np.maximum.at(longest, plan.arm_star, plan.arm_length)
+    found = list(zip(plan.centres, longest, strict=True))
+    if plan.drawn_rods:
+        nodes, ends = plan.graph.nodes, np.array([[rod.start, rod.end] for rod in plan.drawn_rods])
+        links = coo_array((np.ones(len(ends)), ends.T), shape=(len(nodes), len(nodes)))
+        island = connected_components(links, directed=False)[1][ends[:, 0]]
+        length = np.bincount(island, [rod.length for rod in plan.drawn_rods])
+        found += [(nodes[ends[island == k]].reshape(-1, 2).mean(axis=0), length[k]) for k in np.unique(island)]
     return [
-        TinyStarRecord(at_mm=[round(float(c), 2) for c in plan.centres[star]], arm_mm=round(float(longest[star]), 2))
-        for star in np.flatnonzero(longest < arm_mm)
+        TinyStarRecord(at_mm=[round(float(c), 2) for c in place], arm_mm=round(float(size), 2))
+        for place, size in found
+        if size < arm_mm
     ]
 
 

@@ -8,24 +8,13 @@ from dataclasses import replace
 
 import numpy as np
 import shapely
-from numpy.typing import ArrayLike
 
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.geometry.planar import dense_outline
 from asterism.pattern.layout.layout import off_sheet_mm
 from asterism.print.drawing import (
-    AFTER,
-    BED,
-    BEFORE,
-    BELOW,
     CUT,
-    FRAME,
-    GRAIN,
-    GUIDE,
-    MARKS,
     NEEDLES,
-    OPENING,
-    OUTLINE_IN_SPACE,
     RODS,
     STARS,
     TEXT,
@@ -42,6 +31,22 @@ from asterism.print.formats.needle_table import fixed_point
 from asterism.print.job import Job
 from asterism.print.needles import HOLE_DIAMETER_MM
 from asterism.print.solid import Terrace
+
+# layers
+FRAME = DrawingLayer("frame", "#6b6b6b", 0.5, meaning="frame")
+OPENING = DrawingLayer("frame-opening", "#6b6b6b", 0.2, meaning="inside of the frame")
+BED = DrawingLayer("printable-area", "#2f6fc1", 0.25, (4.0, 2.0), meaning="what the nozzle reaches")
+BELOW = DrawingLayer("below", "#7c93ab", filled=True, meaning="plastic below the fabric")
+GUIDE = DrawingLayer("printed-border", "#8a8a94", filled=True, meaning="printed line to cut along")
+MARKS = DrawingLayer("alignment", "#0a7d32", 0.2, meaning="alignment marks")
+BEFORE = DrawingLayer(
+    "check-before-stretching", "#d98200", 0.25, (1.5, 1.5), meaning="square drawn on the relaxed fabric"
+)
+AFTER = DrawingLayer("check-after-stretching", "#d98200", 0.3, meaning="the same square on the stretched fabric")
+GRAIN = DrawingLayer("grain", "#8a4b08", 0.5, meaning="along the grain of the fabric")
+OUTLINE_IN_SPACE = DrawingLayer(
+    "outline", "#d01c1c", 0.2, (3.0, 1.5), meaning="edge of the sheet in space, seen from above"
+)
 
 # margin around the drawing and the column
 PAGE_MARGIN_MM = 18.5
@@ -92,7 +97,7 @@ def layout_sheet(job: Job) -> Drawing:
         paragraphs.append("Cut along the outer edge of the printed rim.")
     elif job.border is None:
         paragraphs.append("No printed border: mark the cut line by hand.")
-    return sheet_page(f"{job.design.name}: layout", field, (0.0, 0.0), items, job.design.name, "Layout 1:1", paragraphs)
+    return _sheet(job, "layout", field, np.zeros(2), items, "Layout 1:1", paragraphs)
 
 
 def _counted(job: Job) -> str:
@@ -126,9 +131,7 @@ def stretch_sheet(job: Job) -> Drawing:
         f"3. A millimetre off is a stretch that is off by {1 / before:.2g}. If you cannot do better, write the "
         f"{measured} into fabric.stretch of the design, as [x, y], and look at its shape again.",
     ]
-    return sheet_page(
-        f"{job.design.name}: stretch check", field, (0.0, 0.0), items, job.design.name, "Stretch check 1:1", paragraphs
-    )
+    return _sheet(job, "stretch check", field, np.zeros(2), items, "Stretch check 1:1", paragraphs)
 
 
 def grain_arrow(job: Job, is_stretched: bool) -> DrawingItems:
@@ -202,10 +205,7 @@ def needle_sheet(job: Job) -> Drawing | None:
     if any(needle.slides and needle.height_mm is not None for needle, _ in known):
         paragraphs.append("Where the sheet slides (along z, or in the plane) the place is that of its computed shape.")
     field = np.maximum(job.printer.frame.size_mm, high - low + 40.0)
-    title = f"{job.design.name}: needles"
-    return sheet_page(
-        title, field, (low + high) / 2, items, job.design.name, "Drilling template 1:1", paragraphs, table
-    )
+    return _sheet(job, "needles", field, (low + high) / 2, items, "Drilling template 1:1", paragraphs, table)
 
 
 def _clear_of(needles: Floats) -> Floats:
@@ -229,13 +229,9 @@ def _marks(frame: tuple[float, float], bed: tuple[float, float]) -> DrawingItems
     items: DrawingItems = [*cross_mark(MARKS, np.zeros(2), 5.0)]
     for corner in np.asarray(bed) / 2 * [[-1, -1], [1, -1], [1, 1], [-1, 1]]:
         items += cross_mark(MARKS, corner, 3.0)
-    for axis in (0, 1):
-        for sign in (-1, 1):
-            side = np.zeros(2)
-            side[axis] = sign * frame[axis] / 2
-            out = np.zeros(2)
-            out[axis] = sign * 6.0
-            items.append(Polyline(MARKS, np.array([side - out, side + out])))
+    for outwards in np.array([[-1.0, 0.0], [1.0, 0.0], [0.0, -1.0], [0.0, 1.0]]):
+        side = outwards * frame / 2
+        items.append(Polyline(MARKS, np.array([side - 6.0 * outwards, side + 6.0 * outwards])))
     return items
 
 
@@ -247,46 +243,24 @@ def _needle(at: Floats, label: str) -> DrawingItems:
     ]
 
 
-def sheet_page(
-    title: str,
-    field_mm: ArrayLike,
-    centre: ArrayLike,
+def _sheet(
+    job: Job,
+    kind: str,
+    field_mm: Floats,
+    centre: Floats,
     items: DrawingItems,
-    name: str,
     what: str,
     paragraphs: Sequence[str],
     table: Sequence[str] = (),
 ) -> Drawing:
-    """A page around a field of this size about `centre`, with its column.
-
-    Parameters
-    ----------
-    items : items of the drawing.
-    name, what : the two large lines at the head of the column.
-    paragraphs : text of the column, without line breaks.
-    table : lines in a font of fixed pitch.
-    """
-    half = np.asarray(field_mm) / 2
-    low = np.asarray(centre) - half - PAGE_MARGIN_MM
-    high = np.asarray(centre) + half + PAGE_MARGIN_MM + [COLUMN_MM, 0.0]
+    """A page around a field (2,) mm about `centre`, with a column: name, `what`, ruler, legend, paragraphs, table."""
+    name, half = job.design.name, field_mm / 2
+    low, high = centre - half - PAGE_MARGIN_MM, centre + half + PAGE_MARGIN_MM + [COLUMN_MM, 0.0]
     at = np.array([high[0] - COLUMN_MM, high[1] - PAGE_MARGIN_MM - 6.0])
-    column = _column(at, items, name, what, paragraphs, table)
-    lowest = min(item.at[1] for item in column if isinstance(item, Label)) - PAGE_MARGIN_MM / 2
-    low[1] = min(low[1], lowest)
-    return Drawing(title, low, high, (*items, *column))
-
-
-def _column(
-    at: Floats, items: DrawingItems, name: str, what: str, paragraphs: Sequence[str], table: Sequence[str]
-) -> list[Polyline | Circle | Label]:
-    column: DrawingItems = [
-        Label(TEXT, at.copy(), name, font_size_within(name, 7.0, COLUMN_MM - PAGE_MARGIN_MM), bold=True)
-    ]
-    at = at - [0.0, 9.0]
-    column.append(Label(TEXT, at.copy(), what, 4.5))
-    at = at - [0.0, 12.0]
-    column += _ruler(at)
-    at = at - [0.0, 16.0]
+    size = font_size_within(name, 7.0, COLUMN_MM - PAGE_MARGIN_MM)
+    column: DrawingItems = [Label(TEXT, at, name, size, bold=True), Label(TEXT, at - [0.0, 9.0], what, 4.5)]
+    column += _ruler(at - [0.0, 21.0])
+    at = at - [0.0, 37.0]
     for layer in dict.fromkeys(item.layer for item in items):
         if layer.meaning:
             column += _legend(layer, at)
@@ -295,13 +269,15 @@ def _column(
     for paragraph in paragraphs:
         # characters in a line of the column
         for line in textwrap.wrap(paragraph, 48) or [""]:
-            column.append(Label(TEXT, at.copy(), line, 3.6))
+            column.append(Label(TEXT, at, line, 3.6))
             at = at - [0.0, 5.2]
         at = at - [0.0, 2.2]
     for line in table:
-        column.append(Label(TEXT, at.copy(), line, 3.0, fixed_pitch=True))
+        column.append(Label(TEXT, at, line, 3.0, fixed_pitch=True))
         at = at - [0.0, 4.2]
-    return column
+    lowest = min(item.at[1] for item in column if isinstance(item, Label)) - PAGE_MARGIN_MM / 2
+    low[1] = min(low[1], lowest)
+    return Drawing(f"{name}: {kind}", low, high, (*items, *column))
 
 
 def _ruler(at: Floats) -> DrawingItems:

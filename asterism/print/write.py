@@ -25,7 +25,6 @@ from asterism.results.records.export import (
     SolidRecord,
     TinyStarRecord,
 )
-from asterism.shape.shape import Shape
 from asterism.shape.vtu import write_rods_vtu, write_shape_vtu
 
 # name of the rounded design
@@ -59,11 +58,6 @@ def write_export(
     ----------
     change : change of the shape by rounding, from `printed_shape`; None if it was not computed.
     formats : further formats of the whole job, from `demanded_formats`.
-
-    Raises
-    ------
-    OutputError
-        The files cannot be written there.
     """
     tiny = tiny_pieces(job.plan, job.plastic.tiny_arm_mm)
     with staged(directory, stale=_stale_files(directory)) as folder:
@@ -80,7 +74,10 @@ def write_export(
         (folder / "start.gcode").write_text(job.start_code, encoding="utf-8", newline="\n")
         save_design(job.design, folder / ROUNDED)
         if job.shape is not None:
-            write_shape_files(job.shape, job.design.name, folder)
+            write_all("shape", folder, "shape", job.shape, job.design.name)
+            write_shape_vtu(job.shape, folder / "shape.vtu")
+            if job.shape.rods:
+                write_rods_vtu(job.shape, folder / "rods.vtu")
         for each in formats:
             each.write(folder / f"{MODEL_STEM}{each.suffix}", job)
         summary = _summary(job, tiny, change, sorted([EXPORT_SUMMARY_FILE, *(file.name for file in folder.iterdir())]))
@@ -91,22 +88,17 @@ def write_export(
 def export_file_names(has_shape: bool) -> list[str]:
     """Names of all files that an export can write; those of the sheet in space only if it has a shape.
 
-    Examples
-    --------
     >>> from asterism.print.write import export_file_names
     >>> "print.3mf" in export_file_names(False), "shape.glb" in export_file_names(False)
     (True, False)
     """
-    stems: dict[str, tuple[FormatKind, ...]] = {
-        **OPTIONAL_FILES,
-        "print": ("print",),
-        "layout": ("drawing", "pages"),
-        "instructions": ("pages",),
-    }
-    if not has_shape:
+    stems = {**OPTIONAL_FILES, "print": ("print",), "layout": ("drawing", "pages"), "instructions": ("pages",)}
+    own = [ROUNDED, "instructions.txt", "start.gcode"]
+    if has_shape:
+        own += ["shape.vtu", "rods.vtu"]
+    else:
         del stems["shape"]
-    vtu = ["shape.vtu", "rods.vtu"] if has_shape else []
-    return sorted([ROUNDED, "instructions.txt", "start.gcode", *_in_all_formats(stems), *vtu])
+    return sorted([*own, *_in_all_formats(stems)])
 
 
 def _in_all_formats(stems: Mapping[str, Sequence[FormatKind]]) -> list[str]:
@@ -127,14 +119,6 @@ def _stale_files(directory: str | Path) -> str | None:
     names = [re.escape(name) for name in _in_all_formats(stems) if not re.fullmatch(EXPORT_COMPANIONS, name)]
     # the others may belong to that result
     return "|".join(names if holds_result(directory) else [*names, EXPORT_COMPANIONS])
-
-
-def write_shape_files(shape: Shape, name: str, folder: Path) -> None:
-    """Write the sheet in space in all formats of a shape, and as VTU with its arms."""
-    write_all("shape", folder, "shape", shape, name)
-    write_shape_vtu(shape, folder / "shape.vtu")
-    if shape.rods:
-        write_rods_vtu(shape, folder / "rods.vtu")
 
 
 def _write_sheets(job: Job, folder: Path) -> None:

@@ -20,8 +20,7 @@ from asterism.pattern.design.errors import DesignError
 from asterism.pattern.layout.symmetries import symmetries
 from asterism.previews.session import preview
 from asterism.print.job import Job, prepare
-from asterism.print.printer import PlasticProfile, Printer
-from asterism.print.profiles import load_plastic, load_printer
+from asterism.print.printer import PlasticProfile, Printer, load_plastic, load_printer
 from asterism.process.listeners import Say, ignore_line
 from asterism.reports.html import design_rows, figures, html_page, html_table, warnings_box
 from asterism.results.files import OutputError, check_writable, write_file

@@ -128,11 +128,8 @@ def _layout(figure: Figure, to_page: Transform, job: Job) -> float:
     to_drawing = Affine2D().translate(*-(low + high) / 2).scale(1 / parts).translate(*middle) + to_page
     sheet = shapely.Polygon(border, job.plan.holes)
     _draw(figure, to_drawing, sheet, facecolor=SHEET, edgecolor=PALE, linewidth=0.6)
-    for arm in job.arms:
-        strip = shapely.Polygon(arm.corners(job.plan.centres[arm.star]))
-        _draw(figure, to_drawing, strip, facecolor=INK if job.plan.star_side[arm.star] > 0 else PALE, linewidth=0)
-    for rod in job.rods:
-        _draw(figure, to_drawing, rod.region, facecolor=INK if rod.side > 0 else PALE, linewidth=0)
+    for piece in (*job.arms, *job.rods):
+        _draw(figure, to_drawing, piece.region, facecolor=INK if piece.side > 0 else PALE, linewidth=0)
     for needle in job.needles[:200]:
         spot = shapely.Point(needle.printed).buffer(1.0 * parts)
         _draw(figure, to_drawing, spot, facecolor=RED, linewidth=0)

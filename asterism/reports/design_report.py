@@ -13,8 +13,7 @@ from asterism.homogenize.law.law import Law
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.print.job import Job, prepare
-from asterism.print.printer import PlasticProfile, Printer
-from asterism.print.profiles import load_plastic, load_printer
+from asterism.print.printer import PlasticProfile, Printer, load_plastic, load_printer
 from asterism.process.listeners import Say, ignore_line
 from asterism.reports.design_page import design_facts, write_design_page
 from asterism.results.files import OutputError, check_writable, staged

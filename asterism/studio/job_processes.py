@@ -121,7 +121,7 @@ def run_fit(
     from asterism.fitting.fit import fit
     from asterism.fitting.settings import FitSettings
     from asterism.fitting.target import TargetSurface
-    from asterism.print.profiles import load_printer
+    from asterism.print.printer import load_printer
 
     progress = ProgressSender(connection, job)
     progress("reading the target", 0, 0)

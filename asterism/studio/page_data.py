@@ -18,7 +18,7 @@ from asterism.pattern.design.material_files import with_material_file
 from asterism.pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM, Site
 from asterism.pattern.layout.layout import Layout
 from asterism.print.bed_placement import room_mm
-from asterism.print.profiles import load_printer, profile_names
+from asterism.print.printer import load_printer, profile_names
 from asterism.studio.design_file import FileChangedError, OtherFileError, ReadOnlyError
 from asterism.studio.document import Document
 from asterism.studio.file_names import shown_path

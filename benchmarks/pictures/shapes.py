@@ -27,7 +27,7 @@ from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
 from asterism.previews.session import preview
 from asterism.print.job import prepare
-from asterism.print.profiles import load_plastic, load_printer
+from asterism.print.printer import load_plastic, load_printer
 from asterism.print.write import write_export
 from asterism.reports.html import png
 from asterism.reports.plots import comparison_views

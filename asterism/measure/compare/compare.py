@@ -9,10 +9,9 @@ from typing import IO
 import numpy as np
 
 from asterism.measure.compare.comparison_picture import draw_outline, draw_scan
-from asterism.measure.compare.outline import OUTLINE_FORMATS, read_outline
-from asterism.measure.compare.scan import ScanError, check_file, check_size, extent, read_scan
+from asterism.measure.compare.outline import OUTLINE_FORMATS, OutlineFit, fit_outline, read_outline, silhouette
+from asterism.measure.compare.scan import ScanError, check_file, check_size, extents, read_scan
 from asterism.measure.compare.scan_comparison import ScanComparison, compare_scan
-from asterism.measure.compare.silhouette import OutlineFit, fit_outline, silhouette
 from asterism.pattern.design.errors import one_line
 from asterism.pattern.geometry.diameter import diameter
 from asterism.process.version import __version__
@@ -47,11 +46,6 @@ class MeasuredComparison:
     def is_fit(self) -> bool:
         """Whether there is a pose in which a scan lies on the shape; an outline may be of another view."""
         return not isinstance(self.laid, ScanComparison) or self.summary.rms_percent <= NO_FIT_PERCENT
-
-    @property
-    def rows(self) -> dict[str, str]:
-        """The numbers in words, by their labels."""
-        return self.summary.table()
 
     def draw(self, path_or_file: str | Path | IO[bytes]) -> None:
         """Draw the distance as PNG."""
@@ -127,19 +121,14 @@ def compare(
     if view is not None:
         raise ScanError(scan, "--view is for outlines (.svg, .csv): a scan may be in any pose")
     measured = read_scan(scan, about.units)
-    check_size(scan, measured.size_mm, extent(target.positions), about.units)
+    size, expected = (float(extents(points)[0]) for points in (measured.points, target.positions))
+    check_size(scan, size, expected, about.units)
     laid = compare_scan(target, measured, trim)
     return MeasuredComparison(laid, ScanComparisonRecord(**about, **laid.distances()), title)
 
 
 def check_comparison_directory(directory: str | Path, shape: str | Path) -> None:
-    """Refuse a directory in which a comparison cannot be written, or whose results it would replace.
-
-    Raises
-    ------
-    OutputError
-        The directory holds the shape, or cannot be written to.
-    """
+    """Raise OutputError if a directory holds the shape, or cannot be written to."""
     directory = Path(directory)
     if directory.resolve() == folder_of(Path(shape)) and holds_result(directory):
         raise OutputError(f"--output: {str(directory)!r} holds the shape, which would be lost; choose another name")
@@ -147,13 +136,7 @@ def check_comparison_directory(directory: str | Path, shape: str | Path) -> None
 
 
 def write_comparison(comparison: MeasuredComparison, directory: str | Path) -> list[str]:
-    """Write compare.png and summary.json into a directory, all or none; returns their names.
-
-    Raises
-    ------
-    OutputError
-        The files cannot be written.
-    """
+    """Write compare.png and summary.json into a directory, all or none; returns their names."""
     with staged_result(directory) as folder:
         comparison.draw(folder / "compare.png")
         (folder / SUMMARY_FILE).write_text(comparison.summary.json_text(), encoding="utf-8")

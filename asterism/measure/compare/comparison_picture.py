@@ -19,8 +19,8 @@ from asterism.draw.fonts import write_title
 from asterism.draw.render import bare, drawn_size, render, sheet_camera
 from asterism.draw.style import INK, PALE, style_axes
 from asterism.equilibrium.arrays import Floats, Ints
+from asterism.measure.compare.outline import OutlineFit
 from asterism.measure.compare.scan_comparison import ScanComparison
-from asterism.measure.compare.silhouette import OutlineFit
 
 SIGNED_DISTANCE_COLOURS = colormaps["RdBu_r"]
 # resolution of the picture, and its size in inches

@@ -34,7 +34,7 @@ class NearestOnSurface:
     """Search for the nearest points on triangles (T, 3) with vertices (V, 3) mm."""
 
     def __init__(self, vertices: Floats, triangles: Ints):
-        self._corners = vertices[triangles]
+        self.vertices, self.triangles, self._corners = vertices, triangles, vertices[triangles]
         normals = triangle_normals(vertices, triangles)
         self.normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
         centres = self._corners.mean(axis=1)

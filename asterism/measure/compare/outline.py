@@ -1,4 +1,4 @@
-"""Outlines from photographs: drawings and CSV files as polygons in mm."""
+"""Outlines from photographs: files as polygons in mm, and their registration with the silhouette of a shape."""
 
 from __future__ import annotations
 
@@ -7,13 +7,18 @@ from pathlib import Path
 
 import numpy as np
 import shapely
+from scipy.optimize import least_squares
+from scipy.spatial import cKDTree
 
+from asterism.draw.render import VIEWS, camera
 from asterism.equilibrium.arrays import Floats
 from asterism.measure.compare.scan import MM, ScanError, check_file
 from asterism.pattern.drawing.read import MEET_MM, closed_curves, read_drawing
 from asterism.pattern.drawing.records import DrawingError, NoUnitError
 from asterism.pattern.geometry.planar import polygon_area
 from asterism.results.csv_cells import read_rows
+from asterism.results.records.comparison import OutlineDistancesRecord
+from asterism.shape.shape import Shape
 
 OUTLINE_FORMATS = (".svg", ".csv")
 # largest coordinate in a CSV file, in its unit
@@ -41,16 +46,9 @@ class Outline:
 
 
 def read_outline(path: str | Path, unit: str | None = None) -> Outline:
-    """The largest closed line in a file.
+    """The largest closed line in a file; `unit` is that of a table's numbers, and of a drawing without a size.
 
-    Parameters
-    ----------
-    unit : unit of the numbers in a CSV file, and in a drawing without a size; mm by default.
-
-    Raises
-    ------
-    ScanError, TableError
-        The file is not an outline, or it gives its size and `unit` is given too.
+    A `ScanError` or `TableError` says that the file is not an outline, or that it gives its size itself.
     """
     path = Path(path)
     check_file(path)
@@ -96,3 +94,134 @@ def _from_drawing(path: Path, unit: str | None) -> Outline:
         raise ScanError(path, "holds no closed line with three corners or more")
     largest = max(rings, key=lambda ring: abs(polygon_area(ring)))
     return Outline(largest, len(rings), None if drawing.has_unit else unit or "mm")
+
+
+# spacing of the points along outline and silhouette
+_POINT_SPACING_MM = 0.25
+# initial rotations
+_ROTATION_STARTS = 72
+# half width of a triangle that is seen from its edge
+_EDGE_HALF_WIDTH_MM = 0.02
+
+
+@dataclass(frozen=True)
+class OutlineFit:
+    """An outline compared with a silhouette.
+
+    Attributes
+    ----------
+    silhouette : (m, 2) mm, outer outline of the shape in the view.
+    outline : (n, 2) mm, the photographed outline after its motion.
+    distance : (k,) mm, distance of points along the outline from the silhouette, positive outside.
+    places : (k, 2) mm, these points.
+    missed : (j,) mm, distance of points along the silhouette from the outline.
+    turn_deg, shift : motion of the outline: rotation and shift (2,) in mm.
+    """
+
+    silhouette: Floats
+    outline: Floats
+    distance: Floats
+    places: Floats
+    missed: Floats
+    turn_deg: float
+    shift: Floats
+
+    def distances(self, diameter_mm: float) -> OutlineDistancesRecord:
+        """The distances in numbers; percentages refer to the shape's diameter (mm)."""
+        distance = np.abs(self.distance)
+        rms = float(np.sqrt(np.mean(distance**2)))
+        return OutlineDistancesRecord(
+            rms_mm=rms,
+            rms_percent=100 * rms / diameter_mm,
+            median_mm=float(np.median(distance)),
+            max_mm=float(distance.max()),
+            mean_outwards_mm=float(self.distance.mean()),
+            max_from_silhouette_mm=float(self.missed.max()),
+            area_of_shape_mm2=shapely.Polygon(self.silhouette).area,
+            area_of_outline_mm2=shapely.Polygon(self.outline).area,
+            diameter_mm=diameter_mm,
+            turn_deg=self.turn_deg,
+            shift_mm=self.shift.tolist(),
+        )
+
+
+def silhouette(shape: Shape, view: str) -> Floats:
+    """(m, 2) mm, the outer outline of a shape seen from `above`, the `front` (along y) or the `side` (along x)."""
+    seen = camera(*VIEWS[view], np.zeros(3)).project(shape.positions)[:, :2]
+    # triangles that are seen from their edge are lines; a small width also closes the seams between triangles
+    hulls = shapely.convex_hull(shapely.multipoints(seen[shape.triangles]))
+    whole = shapely.union_all(shapely.buffer(hulls, _EDGE_HALF_WIDTH_MM, quad_segs=2))
+    largest = max(shapely.get_parts(whole), key=shapely.area)
+    return np.asarray(largest.exterior.coords)[:-1]
+
+
+def fit_outline(outline: Floats, target: Floats, trim: float = 0.1) -> OutlineFit:
+    """Register an outline (n, 2) with a silhouette (m, 2), both in mm, by a rotation and a shift without reflection.
+
+    From many rotations, iterated closest points without the farthest part `trim`. The best result then minimises the
+    sum of the distances, with squares of small distances.
+    """
+    ours, theirs = _along(outline), _along(target)
+    tree = cKDTree(theirs)
+    centre, goal = (np.array(shapely.Polygon(p).centroid.coords[0]) for p in (outline, target))
+    few = ours[:: max(len(ours) // 400, 1)]
+    starts = np.arange(_ROTATION_STARTS) * 2 * np.pi / _ROTATION_STARTS
+    poses = [_closest_points(few, turn, goal - _turned(centre, turn), theirs, tree, trim) for turn in starts]
+    _, angle, shift = min(poses, key=lambda pose: pose[0])
+
+    # the nearest minimum; rotations are scaled to the shifts that they cause
+    some = ours[:: max(len(ours) // 1000, 1)]
+    middle = some.mean(axis=0)
+    size = float(np.linalg.norm(some - middle, axis=1).max())
+
+    def place(motion: Floats) -> tuple[float, Floats]:
+        turn = angle + motion[0] / size
+        return turn, _turned(middle, angle) + shift + motion[1:] - _turned(middle, turn)
+
+    def distances(motion: Floats) -> Floats:
+        turn, moved = place(motion)
+        return _outwards(_turned(some, turn) + moved, target)
+
+    turn, moved = place(least_squares(distances, np.zeros(3), loss="soft_l1", diff_step=1e-6).x)
+    placed = _turned(outline, turn) + moved
+    places = _along(placed)
+    missed = shapely.distance(shapely.points(theirs), shapely.LinearRing(placed))
+    return OutlineFit(target, placed, _outwards(places, target), places, missed, float(np.rad2deg(turn)), moved)
+
+
+def _along(corners: Floats) -> Floats:
+    """Points with equal spacing along a closed line (n, 2) mm."""
+    ring = shapely.LinearRing(corners)
+    count = max(round(ring.length / _POINT_SPACING_MM), 200)
+    return shapely.get_coordinates(shapely.line_interpolate_point(ring, np.arange(count) * ring.length / count))
+
+
+def _outwards(points: Floats, target: Floats) -> Floats:
+    """(n,) distances from a closed line, negative within it."""
+    places = shapely.points(points)
+    inside = shapely.contains(shapely.Polygon(target), places)
+    return np.asarray(shapely.distance(places, shapely.LinearRing(target)) * np.where(inside, -1.0, 1.0))
+
+
+def _turned(points: Floats, angle: float) -> Floats:
+    cos, sin = np.cos(angle), np.sin(angle)
+    return np.asarray(points @ np.array([[cos, sin], [-sin, cos]]))
+
+
+def _closest_points(
+    points: Floats, angle: float, shift: Floats, target: Floats, tree: cKDTree, trim: float
+) -> tuple[float, float, Floats]:
+    """Cost, rotation and shift after some steps; the rotation has a closed form (Umeyama 1991, without scale)."""
+    cost = np.inf
+    for _ in range(15):
+        distance, index = tree.query(_turned(points, angle) + shift)
+        near = distance <= np.quantile(distance, 1 - trim)
+        one, other = points[near], target[index[near]]
+        x, y = one - one.mean(axis=0), other - other.mean(axis=0)
+        new = float(np.arctan2(np.sum(x[:, 0] * y[:, 1] - x[:, 1] * y[:, 0]), np.sum(x * y)))
+        moved = abs(new - angle)
+        angle, shift = new, other.mean(axis=0) - _turned(one.mean(axis=0), new)
+        cost = float(np.sqrt(np.mean(distance[near] ** 2)))
+        if moved < 1e-7:
+            break
+    return cost, angle, shift

@@ -50,14 +50,13 @@ class Pose:
         return points @ self.rotation.T + self.shift
 
 
-@dataclass(frozen=True)
 class _Target:
     """Samples (m, 3) of the shape with their normals and a search tree."""
 
-    places: Floats
-    normals: Floats
-    tree: cKDTree
-    spacing_mm: float
+    def __init__(self, surface: NearestOnSurface, count: int, rng: np.random.Generator) -> None:
+        self.places, which = surface_samples(surface.vertices, surface.triangles, count, rng)
+        self.normals, self.tree = surface.normals[which], cKDTree(self.places)
+        self.spacing_mm = float(np.median(self.tree.query(self.places[:500], k=2)[0][:, 1]))
 
 
 def register(
@@ -78,39 +77,30 @@ def register(
     """
     rng = np.random.default_rng(seed)
     surface = NearestOnSurface(vertices, triangles)
-    coarse_target, target = (_target(vertices, triangles, surface, count, rng) for count in (2000, 15_000))
+    coarse_target, target = (_Target(surface, count, rng) for count in (2000, 15_000))
     few, some, many = (
         points[rng.choice(len(points), min(len(points), count), replace=False)] for count in (150, 600, 3000)
     )
     starts = _starts(points, coarse_target, effort * _RANDOM_STARTS, rng)
     first = sorted((_coarse(few, start, coarse_target, trim, 4) for start in starts), key=SPREAD)[: effort * 50]
-    coarse = sorted((_coarse(few, pose, coarse_target, trim, 12) for pose in first), key=SPREAD)
-    best = distinct_poses(coarse)[: effort * 8]
+    best = distinct_poses([_coarse(few, pose, coarse_target, trim, 12) for pose in first])[: effort * 8]
     middle = sorted((_refine(some, pose, target, trim, 25) for pose in best), key=SPREAD)
     fine = distinct_poses(middle)[:4]
     if middle[0].spread_mm < _ROUGH_FIT * diameter(vertices):
         fine = [_refine(many, pose, target, trim, 60) for pose in fine]
-    exact = [replace(pose, spread_mm=_trimmed(np.abs(surface(pose(many)).distance), trim)) for pose in fine]
-    return distinct_poses(sorted(exact, key=SPREAD))
+    return distinct_poses(
+        [replace(pose, spread_mm=_trimmed(np.abs(surface(pose(many)).distance), trim)) for pose in fine]
+    )
 
 
-def distinct_poses(poses: list[Pose], degrees: float = 15.0) -> list[Pose]:
-    """Poses whose rotation differs from that of all better poses by so many degrees."""
+def distinct_poses(poses: list[Pose]) -> list[Pose]:
+    """Poses, the best first, whose rotation differs from that of all better poses by 15 degrees."""
     distinct: list[Pose] = []
-    for pose in poses:
+    for pose in sorted(poses, key=SPREAD):
         cosines = [(np.trace(pose.rotation.T @ other.rotation) - 1) / 2 for other in distinct]
-        if all(cosine < np.cos(np.deg2rad(degrees)) for cosine in cosines):
+        if all(cosine < np.cos(np.deg2rad(15.0)) for cosine in cosines):
             distinct.append(pose)
     return distinct
-
-
-def _target(
-    vertices: Floats, triangles: Ints, surface: NearestOnSurface, count: int, rng: np.random.Generator
-) -> _Target:
-    places, which = surface_samples(vertices, triangles, count, rng)
-    tree = cKDTree(places)
-    spacing = float(np.median(tree.query(places[:500], k=2)[0][:, 1]))
-    return _Target(places, surface.normals[which], tree, spacing)
 
 
 def _trimmed(distance: Floats, trim: float) -> float:

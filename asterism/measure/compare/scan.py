@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections import defaultdict
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -36,17 +35,12 @@ class ScanError(Error, ValueError):
         super().__init__(one_line(f"{file}: {problem}"))
 
 
-def check_file(path: Path) -> None:
-    """Raise ScanError unless there is a file."""
-    if not path.is_file():
-        raise ScanError(path, why_no_file(path))
-
-
-def why_no_file(path: Path) -> str:
-    """The reason why a path is no file."""
+def check_file(path: Path, error: Callable[[Path, str], Error] = ScanError) -> None:
+    """Raise an error unless there is a file."""
     if path.is_dir():
-        return "is a folder, not a file"
-    return "is a pipe or a device, not a file" if path.exists() else "is not there"
+        raise error(path, "is a folder, not a file")
+    if not path.is_file():
+        raise error(path, "is a pipe or a device, not a file" if path.exists() else "is not there")
 
 
 @dataclass(frozen=True)
@@ -64,19 +58,9 @@ class Scan:
     triangles: int
     vertices: int
 
-    @property
-    def size_mm(self) -> float:
-        """Largest extent along the principal axes."""
-        return extent(self.points)
 
-
-def extent(points: Floats) -> float:
-    """Largest extent (mm) of points (n, 3) along their principal axes."""
-    return float(_extents(points)[0])
-
-
-def _extents(points: Floats) -> Floats:
-    """(3,) mm, extents along the principal axes, the largest first."""
+def extents(points: Floats) -> Floats:
+    """(3,) mm, extents of points (n, 3) along their principal axes, the largest first."""
     centred = points - points.mean(axis=0)
     axes = np.linalg.svd(centred.T @ centred)[0]
     return np.asarray(np.sort(np.ptp(centred @ axes, axis=0))[::-1])
@@ -85,11 +69,7 @@ def _extents(points: Floats) -> Floats:
 def check_size(file: Path, size_mm: float, expected_mm: float, unit: str | None) -> None:
     """Raise ScanError if the size of a scan cannot be that of the shape; the message names units that fit.
 
-    Parameters
-    ----------
-    size_mm : largest extent of the scan, converted from `unit` to mm.
-    expected_mm : largest extent of the shape.
-    unit : unit of the scan's numbers; None for a drawing that gives its size.
+    `unit` is that of the scan's numbers, None for a drawing that gives its size.
     """
     own, unit = unit is None, unit or "mm"
     ratios = {other: size_mm / expected_mm * MM[other] / MM[unit] for other in MM}
@@ -107,18 +87,12 @@ def check_size(file: Path, size_mm: float, expected_mm: float, unit: str | None)
     raise ScanError(file, problem)
 
 
-def read_scan(path: str | Path, unit: str = "mm", seed: int = 0) -> Scan:
-    """Read a scan from an OBJ, STL or PLY file.
-
-    Raises
-    ------
-    ScanError
-        The file is not a scan, or it is empty.
-    """
+def read_scan(path: str | Path, unit: str = "mm") -> Scan:
+    """Read a scan from an OBJ, STL or PLY file."""
     path = Path(path)
     vertices, triangles = _read(path, ", or in .svg or .csv for an outline")
     vertices = vertices * MM[unit]
-    rng = np.random.default_rng(seed)
+    rng = np.random.default_rng(0)
     if len(triangles) == 0:
         some = rng.choice(len(vertices), min(len(vertices), MAX_SCAN_POINTS), replace=False)
         points = vertices[np.sort(some)]
@@ -129,13 +103,7 @@ def read_scan(path: str | Path, unit: str = "mm", seed: int = 0) -> Scan:
 
 
 def read_surface(path: str | Path) -> tuple[Floats, Ints]:
-    """Vertices (V, 3) and triangles (T, 3) of an OBJ, STL or PLY file, in the unit of the file.
-
-    Raises
-    ------
-    ScanError
-        The file holds no surface of triangles.
-    """
+    """Vertices (V, 3) and triangles (T, 3) of an OBJ, STL or PLY file, in the unit of the file."""
     path = Path(path)
     vertices, triangles = _read(path)
     if len(triangles) == 0:
@@ -148,7 +116,7 @@ def _check_spread(path: Path, points: Floats) -> None:
     """Raise ScanError unless points (n, 3) spread over a surface."""
     if len(np.unique(points, axis=0)) < 10:
         raise ScanError(path, "holds too few points or triangles to be a surface")
-    long, wide, _ = _extents(points)
+    long, wide, _ = extents(points)
     if wide <= 1e-3 * long:
         raise ScanError(path, "has all its points on one line: a surface is needed")
 
@@ -212,7 +180,7 @@ def _read_obj(path: Path, content: bytes) -> tuple[Floats, list[list[int]]]:
     allowed = f"vertices are numbered from 1 to {count}" if count else "the file has no vertices"
     for line, words in _lines(content):
         if words[0] == b"v":
-            places.append(_place(path, line, words[1:]))
+            places.append(_place(path, line, words))
         elif words[0] == b"f":
             if len(words) < 4:
                 raise ScanError(path, f"line {line}: a face needs 3 corners, not {len(words) - 1}")
@@ -231,9 +199,9 @@ def _read_obj(path: Path, content: bytes) -> tuple[Floats, list[list[int]]]:
 
 def _place(path: Path, line: int, words: list[bytes]) -> list[float]:
     """A vertex begins with three numbers; a fourth is a weight, and six are a place and a colour."""
-    if len(words) < 3:
-        raise ScanError(path, f"line {line}: a vertex needs 3 numbers, not {len(words)}")
-    return _numbers(path, f"line {line}", words[:3])
+    if len(words) < 4:
+        raise ScanError(path, f"line {line}: a vertex needs 3 numbers, not {len(words) - 1}")
+    return _numbers(path, f"line {line}", words[1:4])
 
 
 def _numbers(path: Path, where: str, words: list[bytes]) -> list[float]:
@@ -257,7 +225,7 @@ def _read_stl(path: Path, content: bytes) -> tuple[Floats, Ints]:
         before = 0
         for line, words in _lines(content):
             if words[0].lower() == b"vertex":
-                places.append(_place(path, line, words[1:]))
+                places.append(_place(path, line, words))
             elif words[0].lower() == b"endloop":
                 if len(places) != before + 3:
                     raise ScanError(path, f"line {line}: a triangle needs 3 vertices, not {len(places) - before}")
@@ -291,13 +259,10 @@ def _read_ply(path: Path, content: bytes) -> tuple[Floats, list[Any]]:
                     known = ", ".join(list(_PLY_TYPES)[:8])
                     raise ScanError(path, f"cannot be read as PLY: its header has the type {odd!r}; there are {known}")
                 elements[-1].properties.append((name, [_PLY_TYPES[kind] for kind in kinds if kind != "list"]))
-    orders = {"binary_little_endian": "<", "binary_big_endian": ">"}
-    if form == "ascii":
-        found = _ply_text(path, elements, parts[2])
-    elif form in orders:
-        found = _ply_binary(path, elements, parts[2], orders[form])
-    else:
-        raise ScanError(path, f"cannot be read as PLY: its format is {form!r}; there are ascii, {', '.join(orders)}")
+    orders = {"ascii": "", "binary_little_endian": "<", "binary_big_endian": ">"}
+    if form not in orders:
+        raise ScanError(path, f"cannot be read as PLY: its format is {form!r}; there are {', '.join(orders)}")
+    found = _ply_columns(path, elements, parts[2], orders[form])
     columns = [found.get(("vertex", name), []) for name in "xyz"]
     faces: Any = next(
         (found["face", name] for name in ("vertex_indices", "vertex_index") if ("face", name) in found), []
@@ -319,53 +284,41 @@ class _Element:
 _Columns = dict[tuple[str, str], Any]
 
 
-def _ply_text(path: Path, elements: list[_Element], body: bytes) -> _Columns:
-    """The values of each element and property in a text, one line an element."""
-    lines = [line.split() for line in body.splitlines() if line.strip()]
+def _ply_columns(path: Path, elements: list[_Element], body: bytes, order: str) -> _Columns:
+    """The values of each element and property; without a byte order of a text, which has one line an element."""
+    lines = [] if order else [line.split() for line in body.splitlines() if line.strip()]
     announced = sum(element.count for element in elements)
-    if len(lines) < announced:
+    if not order and len(lines) < announced:
         problem = f"it holds {len(lines)} of {announced} lines; is the file cut short?"
         raise ScanError(path, f"cannot be read as PLY: {problem}")
-    rest, found = iter(lines), defaultdict[tuple[str, str], list[Any]](list)
-    for element in elements:
-        for number in range(1, element.count + 1):
-            where = f"{element.name} {number}"
-            row = _numbers(path, where, next(rest))
-            at = 0
-            for name, kinds in element.properties:
-                many = int(row[at]) if len(kinds) == 2 and at < len(row) else 0
-                found[element.name, name].append(
-                    row[at + 1 : at + 1 + many] if len(kinds) == 2 else sum(row[at : at + 1])
-                )
-                at += 1 + many
-            if at != len(row):
-                raise ScanError(path, f"{where}: has {len(row)} numbers, the file announces {at}")
-    return dict(found)
+    found: _Columns = {(element.name, name): [] for element in elements for name, _ in element.properties}
+    rest, row, start = iter(lines), list[float](), 0
 
-
-def _ply_binary(path: Path, elements: list[_Element], body: bytes, order: str) -> _Columns:
-    """The values of each element and property in a binary file, which may hold more bytes at its end."""
-    found: _Columns = {}
-    start = 0
-
-    def take(kind: str, count: int) -> np.ndarray:
+    def take(kind: str, count: int) -> Any:
         nonlocal start
-        start += count * np.dtype(kind).itemsize
+        begin, start = start, start + count * (np.dtype(kind).itemsize if order else 1)
+        if not order:
+            return row[begin:start]
         if not 0 <= count <= start <= len(body):
             raise ScanError(path, "cannot be read as PLY: the file is damaged or cut short")
-        return np.frombuffer(body, order + kind, count, start - count * np.dtype(kind).itemsize)
+        return np.frombuffer(body, order + kind, count, begin)
 
     for element in elements:
-        if all(len(kinds) == 1 for _, kinds in element.properties):
-            row = np.dtype([(name, order + kinds[0]) for name, kinds in element.properties])
-            table = take("V1", element.count * row.itemsize).view(row)
+        if order and all(len(kinds) == 1 for _, kinds in element.properties):
+            kind = np.dtype([(name, order + kinds[0]) for name, kinds in element.properties])
+            table = take("V1", element.count * kind.itemsize).view(kind)
             found |= {(element.name, name): table[name] for name, _ in element.properties}
             continue
-        for name, _ in element.properties:
-            found[element.name, name] = []
-        for _ in range(element.count):
+        for number in range(1, element.count + 1):
+            where = f"{element.name} {number}"
+            if not order:
+                row, start = _numbers(path, where, next(rest)), 0
             for name, kinds in element.properties:
-                found[element.name, name].append(take(kinds[-1], int(take(kinds[0], 1)[0]) if len(kinds) == 2 else 1))
+                is_list = len(kinds) == 2
+                values = take(kinds[-1], int(take(kinds[0], 1)[0]) if is_list else 1)
+                found[element.name, name].append(values if is_list else sum(values))
+            if not order and start != len(row):
+                raise ScanError(path, f"{where}: has {len(row)} numbers, the file announces {start}")
     return found
 
 

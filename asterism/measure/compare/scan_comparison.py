@@ -13,7 +13,7 @@ from scipy.spatial.transform import Rotation
 
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.measure.compare.nearest import NearestOnSurface
-from asterism.measure.compare.registration import SPREAD, Pose, distinct_poses, register
+from asterism.measure.compare.registration import Pose, distinct_poses, register
 from asterism.measure.compare.scan import Scan
 from asterism.pattern.geometry.diameter import diameter
 from asterism.results.records.comparison import ScanDistancesRecord
@@ -202,14 +202,14 @@ class ScanComparison:
         )
 
 
-def compare_scan(shape: Shape, scan: Scan, trim: float = 0.2, seed: int = 0) -> ScanComparison:
-    """Register a scan with a shape, and measure the distances.
-
-    Parameters
-    ----------
-    trim : largest part of the points that does not belong to the sheet.
-    """
-    poses = _laid(shape, scan, trim, seed)
+def compare_scan(shape: Shape, scan: Scan, trim: float = 0.2) -> ScanComparison:
+    """Register a scan with a shape, and measure the distances; at most a part `trim` of its points are other things."""
+    # a sheet among many other objects needs more starts
+    effort = _REPEATED_EFFORT if trim > 0.3 else 1
+    poses = register(scan.points, shape.positions, shape.triangles, trim, 0, effort)
+    if effort == 1 and poses[0].spread_mm >= 0.002 * diameter(shape.positions):
+        poses += register(scan.points, shape.positions, shape.triangles, trim, 1, _REPEATED_EFFORT)
+        poses = distinct_poses(poses)
     points = poses[0](scan.points)
     nearest = NearestOnSurface(shape.positions, shape.triangles)(points)
     distance = np.abs(nearest.distance)
@@ -221,18 +221,6 @@ def compare_scan(shape: Shape, scan: Scan, trim: float = 0.2, seed: int = 0) -> 
     return ScanComparison(
         shape, scan, points, nearest.distance, nearest.triangle, used, cut, covered, tuple(poses), size
     )
-
-
-def _laid(shape: Shape, scan: Scan, trim: float, seed: int) -> list[Pose]:
-    """Poses of the scan on the shape, the best first."""
-    surface = shape.positions, shape.triangles
-    # a sheet among many other objects needs more starts
-    has_other_objects = trim > 0.3
-    poses = register(scan.points, *surface, trim, seed, _REPEATED_EFFORT if has_other_objects else 1)
-    if has_other_objects or poses[0].spread_mm < 0.002 * diameter(shape.positions):
-        return poses
-    more = register(scan.points, *surface, trim, seed + 1, _REPEATED_EFFORT)
-    return distinct_poses(sorted([*poses, *more], key=SPREAD))
 
 
 def _covered(shape: Shape, points: Floats, off_mm: float) -> np.ndarray:

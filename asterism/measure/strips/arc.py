@@ -42,12 +42,7 @@ def line_box(width: float, height: float, thickness: float) -> tuple[float, floa
     """Box of the middle line of a strip from the box around the whole strip.
 
     The outer side of the strip has the radius `R + t/2`; its inner corners lie at `R - t/2`. If the box is at most as
-    high as the thickness, the strip is flat: height 0.
-
-    Raises
-    ------
-    ValueError
-        The box is too small for a strip of this thickness.
+    high as the thickness, the strip is flat: height 0. ValueError if the box is too small for this thickness.
     """
     if width <= 4 * thickness:
         raise ValueError(f"a strip {thickness:g} mm thick does not bend in a box {width:g} mm wide")

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import IO
+from typing import IO, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -19,9 +19,9 @@ from matplotlib.figure import Figure
 from asterism.draw.fonts import write_title
 from asterism.draw.style import PALE, add_grid, style_axes
 from asterism.measure.strips.strip_fit import (
+    CONFIDENCE,
     FLAT_HEIGHT_MM,
     KappaBarKind,
-    NamedReading,
     StripFit,
     StripFormula,
     fit_directions,
@@ -58,40 +58,33 @@ class FittedMaterial:
 
     Attributes
     ----------
-    fit : the fit with its estimates, intervals and readings; of strips in two directions that along the grain.
+    fits : one fit with its estimates, intervals and readings, or those along and across the grain.
     table : name of the table.
     options : options that the table was read with.
-    across : the fit across the grain; None if the table has no directions.
     """
 
-    fit: StripFit
+    fits: tuple[StripFit, ...]
     table: str
     options: StripOptionsRecord
-    across: StripFit | None = None
 
     @property
     def plastic(self) -> Plastic:
         """The plastic as a design has it: of two directions E1/E2 is the geometric mean."""
-        return self.fit.plastic(math.sqrt(math.prod(self._ratios)) if self.across else None)
+        return self.fits[0].plastic(math.sqrt(math.prod(self._ratios)) if len(self.fits) > 1 else None)
 
     @property
     def moduli(self) -> tuple[float, float] | None:
         """MPa, moduli of the fabric along and across its grain, in the scale of the default; None for one direction."""
-        if self.across is None:
+        if len(self.fits) == 1:
             return None
         mean = Fabric().modulus
         along, across = self._ratios
         return mean * math.sqrt(across / along), mean * math.sqrt(along / across)
 
     @property
-    def _ratios(self) -> tuple[float, ...]:
+    def _ratios(self) -> list[float]:
         """E1/E2 of each direction."""
-        return tuple(fit.ratio[fit.formula].value for fit in self.fits)
-
-    @property
-    def fits(self) -> tuple[StripFit, ...]:
-        """One fit, or those along and across the grain."""
-        return (self.fit,) if self.across is None else (self.fit, self.across)
+        return [fit.ratio[fit.formula].value for fit in self.fits]
 
     @property
     def spread(self) -> Spread:
@@ -99,24 +92,24 @@ class FittedMaterial:
         ratios = [fit.ratio[fit.formula] for fit in self.fits]
         factor = max(max(high / value, value / low) for value, low, high in ratios)
         found = {"modulus_ratio_factor": min(factor, MAX_FACTOR)}
-        if self.fit.kappa_bar:
-            widest = max(0.5 * (each.high - each.low) for each in self.fit.kappa_bar.values())
+        if self.fits[0].kappa_bar:
+            widest = max(0.5 * (each.high - each.low) for each in self.fits[0].kappa_bar.values())
             found["kappa_bar_error_per_mm"] = min(widest, MAX_KAPPA_BAR_ERROR_PER_MM)
         return Spread(**found)
 
     @cached_property
     def summary(self) -> StripFitRecord:
         """All numbers; the content of the JSON file beside the material."""
-        fit = self.fit
+        fit, *across = self.fits
         return StripFitRecord(
             version=__version__,
             strips=self.table,
             options=self.options,
             rest_curvature=fit.formula,
-            confidence=fit.confidence,
+            confidence=CONFIDENCE,
             degrees_of_freedom=fit.freedom,
             modulus_ratio=_intervals(fit),
-            modulus_ratio_across=_intervals(self.across) if self.across else ABSENT,
+            modulus_ratio_across=_intervals(across[0]) if across else ABSENT,
             kappa_bar_kind=fit.kappa_bar_kind,
             kappa_bar=[
                 KappaBarRecord(thickness_mm=h, value_per_mm=value, low_per_mm=low, high_per_mm=high)
@@ -126,22 +119,16 @@ class FittedMaterial:
             readings_flat=sum(reading.curvature_per_mm is None for reading in self.used),
             left_out=[
                 LeftOutReadingRecord(strip=one.strip, row=one.row, peeled=one.peeled, reason=reason)
-                for one, reason in self._left_out
+                for one, reason in self._all("left_out")
             ],
             warnings=self.warnings,
         )
 
     @property
-    def rows(self) -> dict[str, str]:
-        """The numbers in words, by their labels."""
-        return self.summary.table()
-
-    @property
     def sentences(self) -> list[str]:
         """Meaning of the two conventions of E1/E2."""
-        fit = self.fit
-        formulas: dict[StripFormula, StripFormula] = {"paper": "timoshenko", "timoshenko": "paper"}
-        other = formulas[fit.formula]
+        fit = self.fits[0]
+        other: StripFormula = "timoshenko" if fit.formula == "paper" else "paper"
         mine, theirs = fit.ratio[fit.formula].value, fit.ratio[other].value
         known = [(r.thickness_mm, r.fabric_thickness_mm, mine, 1 - r.stretch**-2) for r in fit.used if not r.peeled]
         mixed_up = np.mean([bilayer_curvature(*one, other) / bilayer_curvature(*one, fit.formula) for one in known])
@@ -158,24 +145,22 @@ class FittedMaterial:
         """One line for each reason to doubt the numbers."""
         left_to = "the material says none; add fabric.{} to it for asterism calibrate"
         fabrics = _fabrics(self.used).items()
-        return [
-            *dict.fromkeys(line for fit in self.fits for line in fit.warnings),
-            *(f"strips of {len(v)} {called}: {left_to.format(key)}" for key, (called, v) in fabrics if len(v) > 1),
-        ]
+        several = [f"strips of {len(v)} {called}: {left_to.format(key)}" for key, (called, v) in fabrics if len(v) > 1]
+        return [*self._all("warnings"), *several]
 
     @property
     def left_out(self) -> list[str]:
         """One line for each reading that is not used."""
-        return [f"left out: {one.name} (row {one.row}): {reason}" for one, reason in self._left_out]
-
-    @property
-    def _left_out(self) -> list[NamedReading]:
-        return list(dict.fromkeys(each for fit in self.fits for each in fit.left_out))
+        return [f"left out: {one.name} (row {one.row}): {reason}" for one, reason in self._all("left_out")]
 
     @property
     def used(self) -> list[Reading]:
         """The readings that are used."""
-        return list(dict.fromkeys(each for fit in self.fits for each in fit.used))
+        return self._all("used")
+
+    def _all(self, name: str) -> list[Any]:
+        """The items of an attribute of the fits, each once."""
+        return list(dict.fromkeys(each for fit in self.fits for each in getattr(fit, name)))
 
 
 def fit_strips(
@@ -221,14 +206,14 @@ def fit_strips(
     """
     table = Path(table)
     readings = read_strips(table, stretch, fabric_thickness_mm, outside=outside)
-    fit, across = fit_directions(readings, rest_curvature, kappa_bar, flat_height_mm=flat_height_mm)
+    fits = fit_directions(readings, rest_curvature, kappa_bar, flat_height_mm=flat_height_mm)
     options = StripOptionsRecord(
         outside=outside,
         flat_height_mm=flat_height_mm,
         stretch=ABSENT if stretch is None else stretch,
         fabric_thickness_mm=ABSENT if fabric_thickness_mm is None else fabric_thickness_mm,
     )
-    return FittedMaterial(fit, table.name, options, across)
+    return FittedMaterial(fits, table.name, options)
 
 
 def _intervals(fit: StripFit) -> dict[str, RatioIntervalRecord]:
@@ -239,13 +224,7 @@ def _intervals(fit: StripFit) -> dict[str, RatioIntervalRecord]:
 
 
 def check_material_path(path: str | Path) -> None:
-    """Refuse a file name without .toml, and a file that `write_material` did not write.
-
-    Raises
-    ------
-    OutputError
-        The material cannot be written there.
-    """
+    """Raise OutputError for a file name without .toml, or a file that `write_material` did not write."""
     path = Path(path)
     if path.suffix != ".toml":
         raise OutputError(f"--output: {str(path)!r} must end with .toml")
@@ -295,7 +274,7 @@ def _material_text(material: FittedMaterial, name: str, source: str) -> str:
     if material.moduli:
         moduli.append("# along and across the grain: strips give their ratio; with a weight's, multiply both")
         moduli.append("modulus_mpa = [{:.4g}, {:.4g}]".format(*material.moduli))
-    remarks = [f"{label}: {text}" for label, text in material.rows.items()] + material.sentences
+    remarks = [f"{label}: {text}" for label, text in material.summary.table().items()] + material.sentences
     lines = [
         MATERIAL_FIRST_LINE,
         *(f"# {remark}" for remark in remarks),
@@ -370,7 +349,7 @@ def draw_fit(fits: Sequence[StripFit], title: str, path_or_file: str | Path | IO
         for ratio in (fit.ratio[fit.formula] for fit in fits)
     )
     lie = " along and across" if len(fits) > 1 else ""
-    text = f"E1/E2{lie} = {ratios} ({100 * one.confidence:g} %, shaded)"
+    text = f"E1/E2{lie} = {ratios} ({100 * CONFIDENCE:g} %, shaded)"
     text += f', rest_curvature = "{one.formula}"; crosses: left out or doubtful'
     figure.text(0.012, 0.88, text, fontsize=10, color=PALE, parse_math=False)
     figure.savefig(path_or_file, format="png", dpi=150)

@@ -97,6 +97,8 @@ class StripData:
 
 
 IMPLAUSIBLE = "no plastic on this fabric curls such strips so: check their units, lengths, thicknesses and boxes"
+# probability with which intervals contain the true values
+CONFIDENCE = 0.95
 # strips and kinds that are further off, in standard deviations, are named
 FAR = 5.0
 Curve = Callable[[Floats, StripData], Floats]
@@ -135,9 +137,9 @@ class Solution:
     freedom: Floats
     bound: Floats
 
-    def interval(self, index: int, confidence: float) -> Interval:
+    def interval(self, index: int) -> Interval:
         """The confidence interval of a parameter."""
-        quantile = student.ppf((1 + confidence) / 2, self.freedom[index])
+        quantile = student.ppf((1 + CONFIDENCE) / 2, self.freedom[index])
         half = float(quantile * np.sqrt(self.variance[index]) + self.bound[index])
         value = float(self.values[index])
         return Interval(value, value - half, value + half)
@@ -161,13 +163,7 @@ class Solution:
 
 
 def fit_curve(curve: Curve, start: Floats, strips: StripData) -> Solution:
-    """The least squares of a curve of parameters (p,), from `start`.
-
-    Raises
-    ------
-    UndeterminedMaterialError
-        There are no more strips than parameters, or the curve does not follow them.
-    """
+    """The least squares of a curve of parameters (p,), from `start`."""
     kinds = strips.kinds()[0]
     units = kinds if len(kinds.count) > len(start) else strips
     freedom = len(units.count) - len(start)
@@ -223,11 +219,8 @@ KAPPA_BAR_KINDS: tuple[KappaBarKind, ...] = get_args(KappaBarKind)
 FLAT_HEIGHT_MM = 0.5
 
 
-class NamedReading(NamedTuple):
-    """A reading that is left out or doubtful, and why."""
-
-    reading: Reading
-    reason: str
+# a reading that is left out or doubtful, and why
+NamedReading = tuple[Reading, str]
 
 
 @dataclass(frozen=True)
@@ -246,7 +239,6 @@ class StripFit:
 
     formula: StripFormula
     kappa_bar_kind: KappaBarKind
-    confidence: float
     flat_height_mm: float
     ratio: dict[StripFormula, Interval]
     kappa_bar: dict[float | None, Interval]
@@ -267,16 +259,16 @@ class StripFit:
 
 def fit_directions(
     readings: list[Reading], formula: StripFormula, kappa_bar: KappaBarKind, *, flat_height_mm: float
-) -> tuple[StripFit, StripFit | None]:
+) -> tuple[StripFit, ...]:
     """Fit a material to strips along the grain, and to those across it; one fit if they have no directions.
 
     Each direction is a fit of its own, with all peeled strips: strips of one thickness may share an error, whatever
-    their direction. Parameters and errors as those of `fit_readings`.
+    their direction.
     """
     covered = [r for r in readings if not r.peeled and not r.left_out]
     lie = {r.direction for r in covered}
     if lie <= {None}:
-        return fit_readings(readings, formula, kappa_bar, flat_height_mm=flat_height_mm), None
+        return (fit_readings(readings, formula, kappa_bar, flat_height_mm=flat_height_mm),)
     if kappa_bar == "constant" and len(covered) == len([r for r in readings if not r.left_out]):
         raise UndeterminedMaterialError(
             "strips in two directions and none peeled cannot tell E1/E2 from kappa_bar: "
@@ -289,7 +281,7 @@ def fit_directions(
             fits.append(fit_readings(part, formula, kappa_bar, flat_height_mm=flat_height_mm))
         except UndeterminedMaterialError as error:
             raise UndeterminedMaterialError(f"strips {direction} the grain: {error}") from None
-    return fits[0], fits[1]
+    return tuple(fits)
 
 
 @np.errstate(all="ignore")  # the material is checked
@@ -298,26 +290,16 @@ def fit_readings(
     formula: StripFormula = "paper",
     kappa_bar: KappaBarKind = "constant",
     *,
-    confidence: float = 0.95,
     flat_height_mm: float = FLAT_HEIGHT_MM,
 ) -> StripFit:
-    """Fit a material to strips; parameters as those of `fit_strips`.
-
-    Raises
-    ------
-    UndeterminedMaterialError
-        The readings do not determine E1/E2.
-    ValueError
-        No such formula or kind of kappa_bar, or a confidence or height out of range.
-    """
+    """Fit a material to strips; parameters and errors as those of `fit_strips`."""
     for option, given, allowed in (("formula", formula, FORMULAS), ("kappa_bar", kappa_bar, KAPPA_BAR_KINDS)):
         if given not in allowed:
             raise ValueError(f"{option}: must be one of {', '.join(allowed)}, not {given!r}")
-    if not (0 < confidence < 1 and 0 < flat_height_mm < np.inf):
-        numbers = f"{confidence}, {flat_height_mm}"
-        raise ValueError(f"confidence: must be between 0 and 1, and flat_height_mm above 0, not {numbers}")
+    if not 0 < flat_height_mm < np.inf:
+        raise ValueError(f"flat_height_mm: must be above 0, not {flat_height_mm}")
     used = [r for r in readings if not r.left_out]
-    left_out = [NamedReading(r, r.left_out) for r in readings if r.left_out]
+    left_out = [(r, r.left_out) for r in readings if r.left_out]
     if not used:
         reasons = "; ".join(f"{r.name}: {reason}" for r, reason in left_out[:3])
         raise UndeterminedMaterialError(f"no reading can be used: {reasons}")
@@ -349,7 +331,7 @@ def fit_readings(
     solutions = {name: _with_fabric(strips, name, keys, kept) for name in FORMULAS}
     ratio = {}
     for name, (solution, _) in solutions.items():
-        inverse = solution.interval(0, confidence)
+        inverse = solution.interval(0)
         if not inverse.value > 0:
             no_effect = "strips with their fabric curl no more than peeled ones: E1/E2 is not determined"
             raise UndeterminedMaterialError(no_effect if kept else IMPLAUSIBLE)
@@ -368,10 +350,9 @@ def fit_readings(
     fit = StripFit(
         formula,
         kappa_bar,
-        confidence,
         flat_height_mm,
         ratio,
-        {key: kept.interval(i, confidence) if kept else mine.interval(1, confidence) for i, key in enumerate(keys)},
+        {key: kept.interval(i) if kept else mine.interval(1) for i, key in enumerate(keys)},
         float(mine.freedom[0]),
         tuple(used),
         tuple(left_out),
@@ -421,7 +402,7 @@ def _with_fabric(
 def _outliers(readings: list[Reading], strips: StripData) -> list[NamedReading]:
     distance, _ = far_strips(strips)
     return [
-        NamedReading(one, f"{one.curvature_per_mm or 0:.5f} /mm is {far:.1f} standard deviations from strips like it")
+        (one, f"{one.curvature_per_mm or 0:.5f} /mm is {far:.1f} standard deviations from strips like it")
         for one, far in zip(readings, distance, strict=True)
         if far > FAR
     ]

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -21,20 +19,14 @@ _DATES_LOCK = threading.Lock()
 @export_format("DXF", ".dxf", "drawing", package="ezdxf", hint=DXF_NEEDED)
 def write_dxf(path: Path, drawing: Drawing) -> None:
     """Write a drawing in the format of AutoCAD 2010; the same drawing is the same file, byte for byte."""
-    with _without_dates():
-        _write(path, drawing)
-
-
-@contextmanager
-def _without_dates() -> Iterator[None]:
-    """Fixed dates and identifiers in files of ezdxf, whose option applies to the whole process."""
     from ezdxf import options  # type: ignore[attr-defined]
 
     with _DATES_LOCK:
         before = options.write_fixed_meta_data_for_testing
+        # fixed dates and identifiers
         options.write_fixed_meta_data_for_testing = True
         try:
-            yield
+            _write(path, drawing)
         finally:
             options.write_fixed_meta_data_for_testing = before
 
@@ -55,9 +47,7 @@ def _write(path: Path, drawing: Drawing) -> None:
         # the layers 0 and Defpoints are in every file
         entry = layers.get(layer.name) if layers.has_entry(layer.name) else layers.add(layer.name)
         colour = colors.RGB.from_hex(layer.colour)
-        # brightness below which a colour becomes the foreground colour
-        if colour.luminance < 0.3:
-            # the foreground colour, which is white on a black background
+        if colour.luminance < 0.3:  # a dark one becomes the foreground colour, which is white on a black background
             entry.color = 7
         else:
             entry.rgb = colour

@@ -52,7 +52,7 @@ _FORMATS: list[ExportFormat] = []
 
 
 def export_format(
-    name: str, suffix: str, *kinds: FormatKind, package: str = "", hint: str = ""
+    name: str, suffix: str, kind: FormatKind, package: str = "", hint: str = ""
 ) -> Callable[[Writer], Writer]:
     """Register the decorated function as the writer of a format.
 
@@ -61,22 +61,15 @@ def export_format(
     """
 
     def register(write: Writer) -> Writer:
-        _FORMATS.extend(ExportFormat(name, suffix, kind, write, package, hint) for kind in kinds)
+        _FORMATS.append(ExportFormat(name, suffix, kind, write, package, hint))
         return write
 
     return register
 
 
 def export_formats(kind: FormatKind, with_missing: bool = False) -> list[ExportFormat]:
-    """The registered formats of a kind, in the order of their suffixes.
+    """The registered formats of a kind, by their suffixes, and those `with_missing` packages too if they are wanted.
 
-    Parameters
-    ----------
-    with_missing : also those that cannot be written here, because their package is missing.
-
-    Examples
-    --------
-    >>> from asterism.print.formats.registry import export_formats
     >>> [each.suffix for each in export_formats("shape")]
     ['.glb', '.obj', '.stl']
     """
@@ -105,13 +98,7 @@ def write_all(kind: FormatKind, folder: Path, stem: str, *content: Any) -> None:
 
 
 def demanded_formats(names: Sequence[str]) -> list[ExportFormat]:
-    """The formats of the kind `model` with these names, such as `3dm`, in any case.
-
-    Raises
-    ------
-    DesignError
-        There is no such format, or its package is not installed.
-    """
+    """The formats of the kind `model` with these names, such as `3dm`, in any case; DesignError for another name."""
     known = {each.name.lower(): each for each in export_formats("model", with_missing=True)}
     for name in names:
         if name.lower() not in known:

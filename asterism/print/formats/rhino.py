@@ -18,7 +18,6 @@ from asterism.print.drawing import CUT, NEEDLES, STARS
 from asterism.print.formats.registry import export_format
 from asterism.print.job import Job
 from asterism.print.needles import HOLE_DIAMETER_MM
-from asterism.shape.shape import Shape
 
 DRILLING_COLOUR = "#0a7d32"
 
@@ -32,15 +31,8 @@ def write_rhino(path: Path, job: Job) -> None:
     as a mesh, `arms` as middle lines of stars and rods, `outline`, `needles` from the base to the sheet. `base` holds
     `drilling`: a circle and a point for each needle. Needles carry their numbers as names.
     """
-    model = _Model(importlib.import_module("rhino3dm"))
-    _print(model, job)
-    if job.seen is not None:
-        _space(model, job, job.seen)
-    _needles(model, job, job.seen)
-    model.write(path)
-
-
-def _print(model: _Model, job: Job) -> None:
+    model, shape = _Model(importlib.import_module("rhino3dm")), job.seen
+    off = 0.0 if shape is None else off_sheet_mm(job.plan, len(shape.printed))
     for ring in job.cut:
         model.polyline("print::outline", CUT.colour, _flat(job.placement.points(ring)), closed=True)
     # the lowest layer is the widest
@@ -50,20 +42,13 @@ def _print(model: _Model, job: Job) -> None:
     for needle in job.needles:
         place = _flat(job.placement.points(needle.printed)[None])[0]
         model.point("print::needles", NEEDLES.colour, place, f"needle {needle.number}")
-
-
-def _space(model: _Model, job: Job, shape: Shape) -> None:
-    model.mesh("space::sheet", "#e6dcc4", shape.positions, shape.triangles, job.design.name)
-    for rod in shape.rods:
-        model.polyline("space::arms", STARS.colour, shape.positions[rod])
-    off = off_sheet_mm(job.plan, len(shape.printed))
-    for ring in (job.plan.outline, *job.plan.holes):
-        model.polyline("space::outline", CUT.colour, shape.at(dense_outline(ring), off), closed=True)
-
-
-def _needles(model: _Model, job: Job, shape: Shape | None) -> None:
-    """Holes in the base, and needles from there to the sheet. The base lies at z = 0 if the shape is not known."""
-    off = 0.0 if shape is None else off_sheet_mm(job.plan, len(shape.printed))
+    if shape is not None:
+        model.mesh("space::sheet", "#e6dcc4", shape.positions, shape.triangles, job.design.name)
+        for rod in shape.rods:
+            model.polyline("space::arms", STARS.colour, shape.positions[rod])
+        for ring in (job.plan.outline, *job.plan.holes):
+            model.polyline("space::outline", CUT.colour, shape.at(dense_outline(ring), off), closed=True)
+    # holes in the base, and needles from there to the sheet; the base lies at z = 0 if the shape is not known
     for needle in job.needles:
         if needle.place is None:
             continue
@@ -75,6 +60,9 @@ def _needles(model: _Model, job: Job, shape: Shape | None) -> None:
                 model.polyline("space::needles", NEEDLES.colour, np.array([centre, upper]), name=name)
         model.point("base::drilling", DRILLING_COLOUR, centre, name)
         model.circle("base::drilling", DRILLING_COLOUR, centre, HOLE_DIAMETER_MM / 2, name)
+    # version of the file: Rhino 7 and later read it
+    if not model.file.Write(str(path), 7):
+        raise OSError(f"rhino3dm cannot write {path.name}")
 
 
 class _Model:
@@ -82,8 +70,8 @@ class _Model:
 
     def __init__(self, rhino3dm: Any) -> None:
         self._rhino = rhino3dm
-        self._file = rhino3dm.File3dm()
-        self._file.Settings.ModelUnitSystem = rhino3dm.UnitSystem.Millimeters
+        self.file = rhino3dm.File3dm()
+        self.file.Settings.ModelUnitSystem = rhino3dm.UnitSystem.Millimeters
         self._layers: dict[str, int] = {}
 
     def polyline(self, layer: str, colour: str, points: Floats, closed: bool = False, name: str = "") -> None:
@@ -91,14 +79,14 @@ class _Model:
         line = self._rhino.Polyline(len(places))
         for place in places:
             line.Add(*map(float, place))
-        self._file.Objects.AddPolyline(line, self._on(layer, colour, name))
+        self.file.Objects.AddPolyline(line, self._on(layer, colour, name))
 
     def point(self, layer: str, colour: str, place: Floats, name: str) -> None:
-        self._file.Objects.AddPoint(self._rhino.Point3d(*map(float, place)), self._on(layer, colour, name))
+        self.file.Objects.AddPoint(self._rhino.Point3d(*map(float, place)), self._on(layer, colour, name))
 
     def circle(self, layer: str, colour: str, centre: Floats, radius: float, name: str) -> None:
         circle = self._rhino.Circle(self._rhino.Point3d(*map(float, centre)), radius)
-        self._file.Objects.AddCircle(circle, self._on(layer, colour, name))
+        self.file.Objects.AddCircle(circle, self._on(layer, colour, name))
 
     def mesh(self, layer: str, colour: str, points: Floats, triangles: Iterable[Any], name: str) -> None:
         mesh = self._rhino.Mesh()
@@ -107,12 +95,7 @@ class _Model:
         for corners in triangles:
             mesh.Faces.AddFace(*map(int, corners))
         mesh.Normals.ComputeNormals()
-        self._file.Objects.AddMesh(mesh, self._on(layer, colour, name))
-
-    def write(self, path: Path) -> None:
-        # version of the file: Rhino 7 and later read it
-        if not self._file.Write(str(path), 7):
-            raise OSError(f"rhino3dm cannot write {path.name}")
+        self.file.Objects.AddMesh(mesh, self._on(layer, colour, name))
 
     def _on(self, layer: str, colour: str, name: str) -> Any:
         attributes = self._rhino.ObjectAttributes()
@@ -128,8 +111,8 @@ class _Model:
             layer.Name = name
             layer.Color = (*bytes.fromhex(colour[1:]), 255)
             if above:
-                layer.ParentLayerId = self._file.Layers[self._layer(above, colour)].Id
-            self._layers[full_name] = self._file.Layers.Add(layer)
+                layer.ParentLayerId = self.file.Layers[self._layer(above, colour)].Id
+            self._layers[full_name] = self.file.Layers.Add(layer)
         return self._layers[full_name]
 
 

@@ -9,8 +9,6 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.print.formats.registry import export_format
-from asterism.print.solid import Solid
-from asterism.shape.shape import Shape
 
 
 def write_stl(path: Path, points: Floats, triangles: Ints) -> None:
@@ -25,13 +23,6 @@ def write_stl(path: Path, points: Floats, triangles: Ints) -> None:
     meshio.stl.write(str(path), mesh, binary=True)
 
 
-@export_format("STL", ".stl", "solid")
-def write_solid(path: Path, solid: Solid) -> None:
-    """Write a solid."""
-    write_stl(path, solid.points, solid.triangles)
-
-
-@export_format("STL", ".stl", "shape")
-def write_shape_stl(path: Path, shape: Shape, name: str) -> None:
-    """Write the sheet in space; the format does not store its name."""
-    write_stl(path, shape.positions, shape.triangles)
+export_format("STL", ".stl", "solid")(lambda path, solid: write_stl(path, solid.points, solid.triangles))
+# the format does not store the name of a shape
+export_format("STL", ".stl", "shape")(lambda path, shape, name: write_stl(path, shape.positions, shape.triangles))

@@ -1,7 +1,4 @@
-"""SVG at 1:1: width and height in mm, a unit of one millimetre, and a group for each layer.
-
-This module uses the standard library, which escapes special characters in the name of a design.
-"""
+"""SVG at 1:1: width and height in mm, a unit of one millimetre, and a group for each layer."""
 
 from __future__ import annotations
 
@@ -22,16 +19,8 @@ _INKSCAPE = "http://www.inkscape.org/namespaces/inkscape"
 def write_svg(path: Path, drawing: Drawing) -> None:
     """Write a drawing; coordinates to a tenth of a micrometre."""
     width, height = (_number(side) for side in drawing.size_mm)
-    root = xml.Element(
-        "svg",
-        {
-            "xmlns": _SVG,
-            "xmlns:inkscape": _INKSCAPE,
-            "width": f"{width}mm",
-            "height": f"{height}mm",
-            "viewBox": f"0 0 {width} {height}",
-        },
-    )
+    size = {"width": f"{width}mm", "height": f"{height}mm", "viewBox": f"0 0 {width} {height}"}
+    root = xml.Element("svg", {"xmlns": _SVG, "xmlns:inkscape": _INKSCAPE, **size})
     xml.SubElement(root, "title").text = drawing.title
     # y goes down from the upper left corner
     corner = np.array([drawing.low[0], drawing.high[1]])

@@ -34,11 +34,7 @@ def write_3mf(path: Path, solids: Sequence[Solid], title: str, rounding: Roundin
 
     With the layers and lines of a `rounding`, each object carries settings for PrusaSlicer.
     """
-    files = {
-        "[Content_Types].xml": _content_types(),
-        "_rels/.rels": _relations(),
-        _MODEL: _model(solids, title),
-    }
+    files = {"[Content_Types].xml": _content_types(), "_rels/.rels": _relations(), _MODEL: _model(solids, title)}
     if rounding is not None:
         files[_SETTINGS] = _settings(solids, rounding)
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as package:

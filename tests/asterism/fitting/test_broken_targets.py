@@ -13,7 +13,7 @@ from hypothesis.extra.numpy import array_shapes, arrays
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.errors import Error
 from asterism.fitting.load_target import load_target
-from tests.asterism.commands import command
+from tests.asterism.commands import Cli
 from tests.asterism.fitting.broken_targets import BROKEN_FILES, BrokenTarget, dome, meshed, png_bytes
 
 IN_ONE_FOLDER = settings(
@@ -22,14 +22,12 @@ IN_ONE_FOLDER = settings(
 
 
 @pytest.mark.parametrize("broken", BROKEN_FILES, ids=[f"{one.name}: {one.problem}" for one in BROKEN_FILES])
-def test_the_command_ends_with_one_line(
-    broken: BrokenTarget, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_command_ends_with_one_line(broken: BrokenTarget, tmp_path: Path, cli: Cli) -> None:
     path = tmp_path / broken.name
     broken.write(path)
     before = sorted(tmp_path.iterdir())
     options = broken.options if "--size-mm" in broken.options else (*broken.options, "--no-exact")
-    outcome = command(["fit", str(path), "--quiet", *options], capsys, monkeypatch)
+    outcome = cli(["fit", str(path), "--quiet", *options])
     assert broken.problem in outcome.line and broken.name in outcome.line
     assert outcome.status == broken.status
     assert sorted(tmp_path.iterdir()) == before

@@ -122,7 +122,7 @@ def test_curvatures_of_a_cylinder_and_a_sphere() -> None:
     ):
         target = TargetSurface.of_triangles(*mesh)
         flat = flatten_target(target)
-        placed = TargetMap.of(flat, 0.25, 0.3, np.array([3.0, 4.0]), 17.3)
+        placed = TargetMap(flat, np.exp(0.25) * flat.points, 17.3)
         middle = placed.printed[flat.disk.border].mean(axis=0)
         curvatures = placed.principal_curvatures(middle[None])[0]
         assert curvatures == pytest.approx(expected, abs=1.5e-3)

@@ -14,7 +14,6 @@ import pytest
 import trimesh
 
 import asterism
-from asterism.fitting.errors import SettingError
 from asterism.fitting.first_guess import guess_design
 from asterism.fitting.fit import Fit, fit
 from asterism.fitting.residual import FitPlaces, Residual
@@ -23,9 +22,9 @@ from asterism.fitting.target import TargetSurface
 from asterism.pattern.layout.build import layout, load_design
 from asterism.previews.law_choice import paper_law
 from asterism.previews.session import Preview
-from asterism.print.profiles import load_printer
+from asterism.print.printer import load_printer
 from benchmarks.fit_targets import rectangle_mesh
-from tests.asterism.commands import command
+from tests.asterism.commands import Cli
 from tests.asterism.fitting.surfaces import spherical_cap
 
 PREVIEW = FitSettings(exact=False)
@@ -126,31 +125,13 @@ def test_derivatives_of_the_residuals_are_the_limit_of_edits(fitted: Fit, target
     assert np.linalg.norm(change - predicted) < 0.15 * np.linalg.norm(change)
 
 
-def test_wrong_arguments_are_refused_in_one_line(target: TargetSurface) -> None:
-    with pytest.raises(TypeError, match="TargetSurface is needed, not str"):
-        fit("cap.obj")  # type: ignore[arg-type]
-    with pytest.raises(TypeError, match="a FitSettings is needed"):
-        fit(target, {"needles": 8})  # type: ignore[arg-type]
-    for needles in (1, 2, -1, 2.5, 1001):
-        with pytest.raises(SettingError, match="needles = "):
-            FitSettings(needles=needles)  # type: ignore[arg-type]
-    with pytest.raises(SettingError, match="needles = 8: conflicts with border = True"):
-        FitSettings(needles=8, border=True)
-    with pytest.raises(SettingError, match="corrections = -1: must be a whole number from 0 to 20"):
-        FitSettings(corrections=-1)
-    with pytest.raises(SettingError, match=r"width_mm = -1\.0: must be a positive number"):
-        FitSettings(width_mm=-1.0)
-
-
 @pytest.mark.slow
-def test_the_command_writes_a_design_and_its_evidence(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_command_writes_a_design_and_its_evidence(tmp_path: Path, cli: Cli) -> None:
     vertices, triangles = spherical_cap(30.0, 84.0)
     trimesh.Trimesh(vertices, triangles, process=False).export(tmp_path / "cap.obj")
     design = tmp_path / "out.toml"
     words = ["fit", str(tmp_path / "cap.obj"), "-o", str(design), "--no-exact", "--quiet"]
-    outcome = command(words, capsys, monkeypatch)
+    outcome = cli(words)
     assert outcome.status == 0, outcome.err
     assert "not checked with the exact model" in outcome.out
     summary = json.loads((tmp_path / "out-fit" / "summary.json").read_text())
@@ -160,7 +141,7 @@ def test_the_command_writes_a_design_and_its_evidence(
     # the written target is that of the fit, in its pose
     written = trimesh.load(tmp_path / "out-fit" / "target.obj", process=False)
     assert np.ptp(np.asarray(written.vertices)[:, 2]) == pytest.approx(np.ptp(vertices[:, 2]), abs=1e-3)
-    outcome = command([*words, "--within", "0.001"], capsys, monkeypatch)
+    outcome = cli([*words, "--within", "0.001"])
     assert outcome.status == 1
 
 
@@ -203,15 +184,9 @@ def test_an_interrupted_command_writes_the_best_design_until_then(number: int, t
         (["--weight", "nowhere.png"], "the picture of the weight"),
     ],
 )
-def test_the_command_refuses_in_one_line(
-    words: list[str],
-    problem: str,
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_the_command_refuses_in_one_line(words: list[str], problem: str, tmp_path: Path, cli: Cli) -> None:
     vertices, triangles = spherical_cap(30.0, 84.0)
     trimesh.Trimesh(vertices, triangles, process=False).export(tmp_path / "cap.obj")
-    outcome = command(["fit", str(tmp_path / "cap.obj"), "--no-exact", "--quiet", *words], capsys, monkeypatch)
+    outcome = cli(["fit", str(tmp_path / "cap.obj"), "--no-exact", "--quiet", *words])
     assert outcome.status in (1, 2) and problem in outcome.line
     assert sorted(file.name for file in tmp_path.iterdir()) == ["cap.obj"]

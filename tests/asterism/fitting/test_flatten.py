@@ -10,7 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from asterism.equilibrium.arrays import Floats
 from asterism.fitting.disk import Disk, disk_of
-from asterism.fitting.flatten import FlatDisk, Flattener, corner_angles, laplacian, least_ratio_border
+from asterism.fitting.flatten import FlatDisk, Flattener, least_ratio_border
 from benchmarks.fit_targets import rectangle_mesh, round_mesh
 from tests.asterism.fitting.surfaces import cylinder_part, spherical_cap
 
@@ -104,7 +104,7 @@ def test_the_laplacian_is_exact_for_linear_functions() -> None:
     plane, triangles = round_mesh(6)
     vertices = np.column_stack([plane, np.zeros(len(plane))])
     disk = disk_of(vertices, triangles, "disk")
-    matrix = laplacian(corner_angles(disk.vertices, disk.triangles), disk.triangles, len(disk.vertices))
+    matrix = disk.laplacian
     values = matrix @ (disk.vertices @ np.array([2.0, -3.0, 0.0]))
     assert np.abs(values[disk.inner]).max() < 1e-12
     assert np.abs(matrix - matrix.T).max() < 1e-14

@@ -7,7 +7,7 @@ import pytest
 
 import asterism
 from asterism.fitting.errors import ReachError
-from asterism.fitting.solve_needle import POINT_TOLERANCE_MM, solve_for_point
+from asterism.fitting.solve_for import POINT_TOLERANCE_MM, solve_for_point
 from asterism.pattern.design.design import Design
 
 CORNERS = [[43.0, 24.8], [-43.0, 24.8], [-43.0, -24.8], [43.0, -24.8]]

@@ -5,17 +5,15 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
-import pypdfium2
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
-from asterism.measure.overhang import LENGTH_AT_SLOPE, SLOPE_DEG, bending_stiffness, read_overhangs, write_overhang_form
+from asterism.measure.fabric import LENGTH_AT_SLOPE, SLOPE_DEG, bending_stiffness, read_overhangs, write_overhang_form
 from asterism.pattern.design.design import GRAVITY_M_S2
-from asterism.pattern.design.errors import DesignError
 from asterism.results.csv_cells import TableError
 from asterism.results.files import OutputError
-from tests.asterism.commands import command
+from tests.asterism.commands import Cli
 
 
 def fall_deg(load: float) -> float:
@@ -51,24 +49,13 @@ def test_intervals_hold_the_true_stiffness_as_often_as_they_say() -> None:
     assert inside == pytest.approx(0.95, abs=0.033)
 
 
-@pytest.mark.parametrize(
-    ("values", "said"),
-    [(([], 200.0), "one overhang"), (([50.0, 5.0], 200.0), "reading 2"), (([50.0], float("nan")), "mass_g_m2")],
-)
-def test_values_out_of_range(values: tuple[list[float], float], said: str) -> None:
-    with pytest.raises(DesignError, match=said):
-        bending_stiffness(*values)
-
-
-def test_the_command_prints_what_the_design_needs(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    done = command(["strips", "overhang", "52", "50", "55", "51", "--mass", "250"], capsys, monkeypatch)
+def test_the_command_prints_what_the_design_needs(cli: Cli) -> None:
+    done = cli(["strips", "overhang", "52", "50", "55", "51", "--mass", "250"])
     assert done.status == 0
     assert "0.043 N mm (0.0354 to 0.0523 at 95 %)" in done.out and "bending_stiffness_n_mm = 0.043" in done.out
-    refused = command(["strips", "overhang", "5", "--mass", "250"], capsys, monkeypatch)
+    refused = cli(["strips", "overhang", "5", "--mass", "250"])
     assert refused.status == 2 and "reading 1 = 5.0: must be from 10 to 500 mm" in refused.err
-    refused = command(["strips", "overhang", "50", "--mass", "0"], capsys, monkeypatch)
+    refused = cli(["strips", "overhang", "50", "--mass", "0"])
     assert refused.status == 2 and "--mass = 0.0: must be from 10 to 5000 g for a square metre" in refused.err
 
 
@@ -85,12 +72,6 @@ def filled(folder: Path, overhangs: list[float]) -> Path:
 def test_readings_of_one_strip_count_as_one(tmp_path: Path) -> None:
     means = read_overhangs(filled(tmp_path, [50.0, 52.0, 54.0, 56.0, 60.0]))
     assert means == pytest.approx([float(np.prod([50.0, 52.0, 54.0, 56.0])) ** 0.25, 60.0])
-
-
-def test_the_printed_page_holds_the_slope_and_the_last_step(tmp_path: Path) -> None:
-    write_overhang_form(tmp_path)
-    text = pypdfium2.PdfDocument(tmp_path / "overhangs.pdf")[0].get_textpage().get_text_bounded()
-    assert "41.5 degrees at 1:1" in text and "asterism strips overhang overhangs.csv" in text
 
 
 def test_a_table_that_was_filled_in_stays(tmp_path: Path) -> None:
@@ -118,13 +99,11 @@ def test_wrong_tables_are_named(text: str, said: str, tmp_path: Path) -> None:
         read_overhangs(table)
 
 
-def test_the_command_writes_the_form_and_reads_it(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    done = command(["strips", "overhang", "--form", str(tmp_path / "hung")], capsys, monkeypatch)
+def test_the_command_writes_the_form_and_reads_it(tmp_path: Path, cli: Cli) -> None:
+    done = cli(["strips", "overhang", "--form", str(tmp_path / "hung")])
     assert done.status == 0 and "overhangs.csv, overhangs.pdf" in done.out
     table = filled(tmp_path, [52.0] * 4 + [50.0] * 4 + [55.0] * 4 + [51.0] * 4)
-    done = command(["strips", "overhang", str(table), "--mass", "250"], capsys, monkeypatch)
+    done = cli(["strips", "overhang", str(table), "--mass", "250"])
     assert done.status == 0 and "0.043 N mm (0.0354 to 0.0523 at 95 %)" in done.out
     for typed, said in (
         (["--form", "x", "--mass", "250"], "--form: writes an empty table"),
@@ -132,5 +111,5 @@ def test_the_command_writes_the_form_and_reads_it(
         (["52"], "--mass: is missing"),
         (["5l", "--mass", "250"], "not '5l'"),
     ):
-        refused = command(["strips", "overhang", *typed], capsys, monkeypatch)
+        refused = cli(["strips", "overhang", *typed])
         assert refused.status == 2 and said in refused.err

@@ -7,17 +7,25 @@ from pathlib import Path
 import matplotlib
 import pytest
 
+from asterism.pattern.design import files
 from asterism.pattern.design.design import save_design
-from tests.asterism.commands import command
+from tests.asterism.commands import Cli
 from tests.asterism.print.exported import Run
 from tests.asterism.print.jobs import design
 
 
+@pytest.fixture(autouse=True)
+def no_profiles_of_the_user(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """The person who runs the tests may have profiles."""
+    monkeypatch.delenv(files.PROFILES_VARIABLE, raising=False)
+    monkeypatch.setattr(files, "user_folder", lambda: tmp_path / "home")
+
+
 @pytest.fixture
-def as_it_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
-    """The command line in the test's folder, within this process: starting one anew takes seconds."""
+def as_it_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, cli: Cli) -> Run:
+    """The command line in the test's folder."""
     monkeypatch.chdir(tmp_path)
-    return lambda *words: command(list(words), capsys, monkeypatch)
+    return lambda *words: cli(list(words))
 
 
 @pytest.fixture

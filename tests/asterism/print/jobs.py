@@ -6,7 +6,7 @@ from typing import Any
 
 from asterism.pattern.design.design import Design
 from asterism.print.job import Job, prepare
-from asterism.print.profiles import load_plastic, load_printer
+from asterism.print.printer import load_plastic, load_printer
 
 SMALL: dict[str, Any] = {
     "name": "small",

@@ -7,28 +7,15 @@ from typing import Any
 
 import pytest
 
-from asterism.pattern import gallery
-from asterism.pattern.design import files as user_files
 from asterism.pattern.design.design import Design, save_design
-from asterism.print import profiles
+from asterism.print import printer as profiles
 from asterism.print.bed_placement import frame_warning, size_warning
-from asterism.print.profiles import adjusted_printer
-from tests.asterism.commands import command
-
-
-@pytest.fixture(autouse=True)
-def no_profiles_of_the_user(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.delenv(user_files.PROFILES_VARIABLE, raising=False)
-    monkeypatch.setattr(user_files, "user_folder", lambda: tmp_path / "home")
+from asterism.print.printer import adjusted_printer
+from tests.asterism.commands import Cli
 
 
 def sheet(sides: tuple[float, float], **more: Any) -> Design:
     return Design.from_dict({"stars": {"length_mm": 8.0}, "border": {"rectangle_mm": list(sides)}} | more)
-
-
-@pytest.mark.parametrize("name", gallery.names())
-def test_every_design_of_the_gallery_fits_a_known_printer(name: str) -> None:
-    assert not list(size_warning(gallery.load(name)))
 
 
 def test_a_large_print_is_named_with_the_printers_and_fits_a_printer_of_the_user(tmp_path: Path) -> None:
@@ -50,18 +37,16 @@ def test_a_large_print_is_named_with_the_printers_and_fits_a_printer_of_the_user
 
 
 def test_previews_warn_of_large_prints(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, blank_pictures: None
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, blank_pictures: None, cli: Cli
 ) -> None:
     monkeypatch.chdir(tmp_path)
     save_design(sheet((330.0, 60.0)), tmp_path / "long.toml")
-    assert (
-        "no known printer holds the print of 330 x 60 mm" in command(["preview", "long.toml"], capsys, monkeypatch).err
-    )
+    assert "no known printer holds the print of 330 x 60 mm" in cli(["preview", "long.toml"]).err
 
 
 @pytest.mark.slow
 def test_the_frame_is_an_option(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, blank_pictures: None
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, blank_pictures: None, cli: Cli
 ) -> None:
     monkeypatch.chdir(tmp_path)
     save_design(
@@ -69,19 +54,18 @@ def test_the_frame_is_an_option(
         tmp_path / "d.toml",
     )
     words = ["export", "d.toml", "--printer", "ender-3"]
-    default = command(words, capsys, monkeypatch)
+    default = cli(words)
     assert default.status == 0 and "the frame of 260 x 260 mm is larger than the bed of 220 x 220 mm" in default.err
-    given = command([*words, "--frame", "200x180"], capsys, monkeypatch)
+    given = cli([*words, "--frame", "200x180"])
     assert given.status == 0 and "larger than the bed" not in given.err
     assert "frame of 200 x 180 mm" in " ".join((tmp_path / "d-print" / "instructions.txt").read_text().split())
-    assert "larger than the bed" in command([*words, "--frame", "240"], capsys, monkeypatch).err
+    assert "larger than the bed" in cli([*words, "--frame", "240"]).err
     for wrong in ("wide", "1x2x3", "5x5", ""):
-        refused = command([*words, f"--frame={wrong}"], capsys, monkeypatch)
+        refused = cli([*words, f"--frame={wrong}"])
         assert refused.status == 2 and "--frame" in refused.line, wrong
 
 
-def test_a_frame_that_the_profile_states_is_known_to_fit() -> None:
+def test_a_frame_that_stands_out_over_the_bed_is_named() -> None:
     paper = profiles.load_printer("ultimaker2")
-    assert not list(frame_warning(paper, is_known_to_fit=True))
     assert not list(frame_warning(adjusted_printer(paper, frame=(220.0, 220.0))))
     assert list(frame_warning(adjusted_printer(paper, frame=(260.0, 260.0))))

@@ -18,10 +18,10 @@ from asterism.pattern.drawing.read import read_drawing
 from asterism.pattern.layout.build import layout, load_design
 from asterism.pattern.rods.graph import RodGraph
 from asterism.print.export import export
-from asterism.print.formats.openscad import write_openscad
+from asterism.print.formats.scripts import write_openscad
 from asterism.print.job import Job
 from asterism.print.needles import needles_near_edge
-from tests.asterism.commands import command
+from tests.asterism.commands import Cli
 from tests.asterism.print.jobs import job
 
 LEAF: dict[str, Any] = {
@@ -84,7 +84,7 @@ def test_a_rim_is_cut_along_its_outer_edge() -> None:
     inside, cut = shapely.Polygon(one.plan.outline), shapely.Polygon(one.cut[0])
     assert len(one.cut) == 1 and cut.buffer(1e-3).covers(inside) and cut.is_valid
     assert shapely.hausdorff_distance(cut.exterior, inside.exterior) == pytest.approx(0.8, abs=0.02)
-    assert cut.buffer(1e-3).covers(shapely.union_all([rod.region for rod in one.rods if rod.rod in one.plan.rim]))
+    assert cut.buffer(1e-3).covers(shapely.union_all([rod.region for rod in one.rods if rod.number in one.plan.rim]))
 
 
 def test_tapered_rods_are_printed_in_layers() -> None:
@@ -115,7 +115,7 @@ def test_openscad_has_the_areas_of_the_solids(tmp_path: Path) -> None:
 
 def test_lua_makes_the_same_prisms(tmp_path: Path) -> None:
     lupa = pytest.importorskip("lupa")
-    from asterism.print.formats.icesl import write_icesl
+    from asterism.print.formats.scripts import write_icesl
 
     one = drawn()
     write_icesl(tmp_path / "rods.lua", one)
@@ -176,14 +176,14 @@ def test_islands_that_may_jump_off_are_named() -> None:
 
 @pytest.mark.slow
 def test_the_command_exports_a_drawing_and_says_that_no_preview_is_known(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, cli: Cli
 ) -> None:
     monkeypatch.chdir(tmp_path)
     (tmp_path / "bow.toml").write_text(
         'name = "bow"\n[rods]\nthickness_mm = 0.33\n[[rods.draw]]\nline_mm = [[-10, 0], [0, 5], [10, 0]]\n'
         "[border]\nrectangle_mm = [40, 30]\n"
     )
-    done = command(["export", "bow.toml"], capsys, monkeypatch)
+    done = cli(["export", "bow.toml"])
     assert done.status == 0 and "2 of 2 rods rounded" in done.out and "use --simulate" in done.out
     assert {"rods.stl", "border.stl", "print.3mf", "rods.scad", "middle-lines.svg", "start.gcode"} <= {
         file.name for file in (tmp_path / "bow-print").iterdir()

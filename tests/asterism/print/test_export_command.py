@@ -10,7 +10,7 @@ import pytest
 
 from asterism.pattern.design.design import save_design
 from asterism.pattern.layout.build import load_design
-from tests.asterism.commands import command
+from tests.asterism.commands import Cli
 from tests.asterism.print.exported import ALWAYS, PINNED, Run, mistake
 from tests.asterism.print.jobs import design
 
@@ -35,22 +35,6 @@ def test_all_files_and_what_they_say(file: Path, tmp_path: Path, as_it_is: Run) 
     again = as_it_is("export", "d-print/rounded.toml", "-o", "again")
     assert again.status == 0
     assert (tmp_path / "again" / "stars.stl").read_bytes() == (folder / "stars.stl").read_bytes()
-
-
-def test_a_smaller_check_square_is_told_everywhere(file: Path, tmp_path: Path, run: Run) -> None:
-    save_design(design(fabric={"stretch": 2.8}, border={"rings": 0}, pins=[]), file)
-    result = run("export", "d.toml", "-o", "out")
-    assert "60 mm before stretching, 168.0 x 168.0 mm after" in result.out
-    said = json.loads((tmp_path / "out" / "export.json").read_text())["check_square_mm"]
-    assert said == {"before": [60.0, 60.0], "after": pytest.approx([168.0, 168.0])}
-    assert "Draw a square of 60 mm" in (tmp_path / "out" / "instructions.txt").read_text()
-
-
-def test_the_fabric_is_to_be_measured_stretched(file: Path, tmp_path: Path, run: Run) -> None:
-    assert "released fabric; measure it stretched: --fabric" in run("export", "d.toml", "-o", "out").out
-    assert (tmp_path / "out" / "start.gcode").read_text().startswith("; for 0.80 mm of fabric, released")
-    assert "(plate and stretched fabric)" in run("export", "d.toml", "-o", "out", "--fabric", "0.4").out
-    assert "released" not in (tmp_path / "out" / "start.gcode").read_text()
 
 
 def test_the_design_is_not_written_over(file: Path, tmp_path: Path, run: Run) -> None:
@@ -139,17 +123,15 @@ def test_files_that_are_no_exports_stay(file: Path, tmp_path: Path, run: Run) ->
 
 
 @pytest.mark.slow
-def test_another_plastic_than_the_designs_is_named(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_another_plastic_than_the_designs_is_named(tmp_path: Path, cli: Cli) -> None:
     """The design has the stiffness of the paper's plastic."""
     (tmp_path / "d.toml").write_text("[stars]\nlength_mm = 10.0\n[border]\nrings = 0\n")
     words = ["export", str(tmp_path / "d.toml"), "--plastic"]
     said = "asterism: PLA is printed, but plastic.modulus_ratio = 3200 of the design is that of TPU 95A: measure strips"
-    assert said in command([*words, "pla"], capsys, monkeypatch).err
-    assert "is printed" not in command([*words, "tpu95a"], capsys, monkeypatch).err
+    assert said in cli([*words, "pla"]).err
+    assert "is printed" not in cli([*words, "tpu95a"]).err
     (tmp_path / "m.toml").write_text("[plastic]\nmodulus_ratio = 20000.0\n")
-    measured = command([*words, "pla", "--material", str(tmp_path / "m.toml")], capsys, monkeypatch)
+    measured = cli([*words, "pla", "--material", str(tmp_path / "m.toml")])
     assert measured.status == 0 and "is printed" not in measured.err
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -14,7 +13,7 @@ from asterism.previews.session import preview
 from asterism.print import instructions, sheets
 from asterism.print.drawing import Circle, Drawing, Label
 from asterism.print.job import Job
-from asterism.print.needles import needles_near_edge, needles_through_arms
+from asterism.print.needles import needles_in_plastic, needles_near_edge
 from asterism.print.rounded import tiny_pieces
 from tests.asterism.print.jobs import design, job
 
@@ -44,62 +43,6 @@ def check_texts(page: Drawing) -> None:
             assert page.low[1] < item.at[1] < page.high[1] - item.size_mm, item.text
 
 
-def test_numbers_of_the_design() -> None:
-    one = job(fabric_mm=0.5)
-    text = said(one)
-    for number in (
-        "135.0 mm wide and 130.0 mm deep",
-        "z offset 4.50 mm",
-        "lines 0.4 mm wide",
-        "[0, 0]",
-        "x = 111.50, y = 111.5",
-    ):
-        assert number in text
-    assert "G1 Z14.50" in text and "Skirt" in text and f"{len(one.needles)} needles" in text
-
-
-def test_how_many_lines_lie_side_by_side() -> None:
-    """Which is to be seen in the slicer's preview."""
-    assert "the first one too: 3 lines across 1.2 mm, without a gap" in said(job())
-    narrow = {"at_mm": [0.0, 0.0], "length_mm": 6.0, "width_mm": 0.4}
-    two = job(design(stars={"length_mm": 8.0, "override": [narrow]}))
-    assert "1 line across 0.4 mm, 3 lines across 1.2 mm, without" in said(two)
-    widths = {"profile": "radial", "from": 0.4, "to": 2.4, "over_mm": 30.0}
-    tapered = job(design(stars={"length_mm": 8.0, "width_mm": widths, "vary_along_arms": True}))
-    assert "1 line across 0.4 mm to 6 lines across 2.4 mm, without" in said(tapered)
-
-
-def test_a_height_with_released_fabric_is_told_wherever_it_stands() -> None:
-    for one, told in ((job(), True), (job(fabric_mm=0.5), False)):
-        remark, *_ = one.start_code.splitlines()
-        assert (remark.startswith(";") and "0.80 mm of fabric, released" in remark) == told
-        assert one.start_code.endswith(one.printer.start_snippet(one.z_offset_mm))
-        column = " ".join(item.text for item in sheets.layout_sheet(one).items if isinstance(item, Label))
-        assert f"{one.z_offset_mm:.2f} mm above the bed" in column
-        assert ("with the released fabric" in column) == told
-        assert ("thinner when stretched" in said(one)) == told
-
-
-def test_printers_that_home_onto_the_bed_are_warned_of() -> None:
-    assert "BEFORE the frame is on it" in said(job(printer={"homes": "onto"}))
-    assert "BEFORE" not in said(job(printer={"homes": "away"}))
-
-
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        ({"border": False}, "along the cut line of layout.pdf"),
-        ({}, "along the inner edge of the printed line"),
-    ],
-)
-def test_how_to_cut(options: dict[str, Any], words: str) -> None:
-    assert words in said(job(**options))
-
-
-def test_free_sheets_have_no_needles() -> None:
-    assert "no pins" in said(job(design(pins=[])))
-
-
 @pytest.mark.parametrize("name", ["small", "W" * 100])
 def test_texts_stay_on_their_pages(name: str) -> None:
     one = job(design(name=name.strip()))
@@ -110,13 +53,6 @@ def test_texts_stay_on_their_pages(name: str) -> None:
     for page in (*pages, sheets.layout_sheet(one), sheets.stretch_sheet(one), template):
         check_texts(page)
     assert all(tuple(page.size_mm) == (210.0, 297.0) for page in pages)
-
-
-def test_many_needles_make_a_longer_page() -> None:
-    one = job(needle_spacing_mm=4.0)
-    template = sheets.needle_sheet(one)
-    assert template is not None and 20 < len(one.needles) < 40
-    check_texts(template)
 
 
 def test_needles_without_a_place_get_no_hole() -> None:
@@ -166,22 +102,15 @@ def test_heights_and_order_of_the_needles() -> None:
     assert "in the design's order" not in said(job()) and "at these heights" not in said(job())
 
 
-def test_many_heights_are_beside_their_holes() -> None:
-    points = [[3.0 * k, 0.0] for k in range(-7, 8)]
-    targets = [[2.5 * k, 0.0, 10.0 + 0.5 * k] for k in range(-7, 8)]
-    text = said(job(design(pins=[{"points_mm": points, "target_mm": targets}])))
-    assert "heights over the base that are written beside their holes" in text
-
-
 def test_needles_that_stand_on_the_cut_line_or_on_an_arm_are_told() -> None:
     """The first on the centre of a star, the second beside its arms, the third at a corner."""
     pins = [{"points_mm": [[0.0, 17.32], [5.0, 14.44]], "scale": 0.8}, {"corners": [0], "scale": 0.8}]
     made = job(design(pins=pins))
-    assert needles_through_arms(made.plan, made.needles) == [1] and needles_near_edge(made.plan, made.needles) == [3]
+    assert needles_in_plastic(made.plan, made.needles) == [1] and needles_near_edge(made.plan, made.needles) == [3]
     assert "The plastic is in the way of needle 1: drill" in said(made)
     assert "Leave a tab of fabric outside the line, 5 mm or more, at needle 3, on the line" in said(made)
     inside = job(design(pins=[{"points_mm": [[5.0, 14.44], [-5.0, 14.44]], "scale": 0.8}]))
-    assert not needles_through_arms(inside.plan, inside.needles) and not needles_near_edge(inside.plan, inside.needles)
+    assert not needles_in_plastic(inside.plan, inside.needles) and not needles_near_edge(inside.plan, inside.needles)
 
 
 def test_fabric_with_a_grain_is_laid_along_the_arrow() -> None:

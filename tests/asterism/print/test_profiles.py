@@ -9,7 +9,7 @@ import typer
 
 from asterism.pattern.design import files as user_files
 from asterism.pattern.design.errors import DesignError
-from asterism.print import profiles
+from asterism.print import printer as profiles
 from asterism.print.printer import NOT_COMPLETE, Printer
 
 OWN = """
@@ -29,13 +29,6 @@ heating_min = 2.0
 """
 
 
-@pytest.fixture(autouse=True)
-def no_profiles_of_the_user(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    """The person who runs the tests may have profiles."""
-    monkeypatch.delenv(user_files.PROFILES_VARIABLE, raising=False)
-    monkeypatch.setattr(user_files, "user_folder", lambda: tmp_path / "home" / "asterism")
-
-
 @pytest.mark.parametrize("name", ["ultimaker2", "prusa-mk4", "ender-3"])
 def test_every_printer_starts_on_the_fabric(name: str) -> None:
     printer = profiles.load_printer(name)
@@ -50,19 +43,6 @@ def test_every_printer_starts_on_the_fabric(name: str) -> None:
     assert move[:2] == ["G1", "Z14.80"] and setting == ["G92", "Z10.00"]
 
 
-def test_the_papers_printer() -> None:
-    printer = profiles.load_printer("ultimaker2")
-    assert printer.bed_mm == (223.0, 223.0) and printer.frame.size_mm == (260.0, 260.0)
-    assert (printer.nozzle_mm, printer.layer_mm, printer.filament_mm) == (0.4, 0.2, 2.85)
-    assert printer.bed_centre_mm == (111.5, 111.5)
-
-
-def test_all_that_come_along_can_be_read() -> None:
-    assert {"ultimaker2", "prusa-mk4", "ender-3"} <= set(profiles.profile_names("printers"))
-    for name in profiles.profile_names("plastics"):
-        assert profiles.load_plastic(name).density_kg_m3 > 500
-
-
 @pytest.mark.parametrize("variable", ["HOME", "XDG_CONFIG_HOME"])
 def test_the_folder_of_the_user_is_that_of_command_line_programs(
     variable: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
@@ -75,7 +55,7 @@ def test_the_folder_of_the_user_is_that_of_command_line_programs(
 def test_own_files_by_path_by_folder_and_by_home(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     (tmp_path / "mine.toml").write_text(OWN)
     assert profiles.load_printer(str(tmp_path / "mine.toml")).bed_centre_mm == (0.0, 0.0)
-    home = tmp_path / "home" / "asterism" / "printers"
+    home = tmp_path / "home" / "printers"
     home.mkdir(parents=True)
     (home / "mine.toml").write_text(OWN)
     assert profiles.load_printer("mine").name == "My machine"

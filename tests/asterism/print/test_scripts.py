@@ -14,8 +14,7 @@ import pytest
 import shapely
 import trimesh
 
-from asterism.print.formats.icesl import write_icesl
-from asterism.print.formats.openscad import write_openscad
+from asterism.print.formats.scripts import write_icesl, write_openscad
 from asterism.print.job import Job
 from tests.asterism.print.jobs import design, job
 

@@ -15,8 +15,9 @@ import trimesh
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.print.formats.obj import write_shape_obj
-from asterism.print.write import write_shape_files
+from asterism.print.formats.registry import write_all
 from asterism.shape.shape import Shape
+from asterism.shape.vtu import write_shape_vtu
 from tests.asterism.sheets import sheet
 
 
@@ -29,7 +30,8 @@ def dome() -> Shape:
 @pytest.fixture(scope="module")
 def folder(dome: Shape, tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("shape")
-    write_shape_files(dome, 'do"me', path)
+    write_all("shape", path, "shape", dome, 'do"me')
+    write_shape_vtu(dome, path / "shape.vtu")
     return path
 
 

@@ -19,7 +19,7 @@ from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.design import Design
 from asterism.print.formats.threemf import write_3mf
 from asterism.print.job import Job, prepare
-from asterism.print.profiles import load_plastic, load_printer
+from asterism.print.printer import load_plastic, load_printer
 from asterism.print.write import write_export
 
 # with ASTERISM_NEEDS_SLICER = 1, a run promises the program
@@ -106,13 +106,12 @@ def lines_of_arms(moves: Floats, job: Job) -> list[tuple[float, int]]:
     for z in np.unique(moves[:, 4]):
         tree = shapely.STRtree(shapely.linestrings(moves[moves[:, 4] == z, :4].reshape(-1, 2, 2)))
         for arm in (arm for arm in job.arms if arm.height_mm > z - 0.01):
-            along, half = (
-                0.55 * arm.end_mm * arm.direction,
-                (arm.begin_width_mm / 2 + 0.1) * arm.direction[::-1] * [-1, 1],
-            )
-            at = job.placement.shift + job.plan.centres[arm.star] + along
+            centre = job.plan.centres[job.plan.arm_star[arm.number]]
+            (begin, end), width = arm.points, arm.width[0]
+            half = (width / 2 + 0.1) * (end - begin)[::-1] / np.linalg.norm(end - begin) * [-1, 1]
+            at = job.placement.shift + centre + 0.55 * (end - centre)
             crossed = tree.query(shapely.LineString([at - half, at + half]), predicate="intersects")
-            found.append((arm.begin_width_mm, len(crossed)))
+            found.append((width, len(crossed)))
     return found
 
 

@@ -16,7 +16,7 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.rounding import Rounding
 from asterism.pattern.layout.build import layout
 from asterism.print.formats.stl import write_stl
-from asterism.print.pieces import arm_pieces, border_terrace, plastic_terraces
+from asterism.print.pieces import border_terrace, pieces, plastic_terraces
 from asterism.print.solid import GRID_MM, Solid, Terrace, nested_terraces, terraced_solid
 from tests.asterism.print.jobs import design, job
 
@@ -65,11 +65,10 @@ def test_volume_is_that_of_the_layers_of_every_star() -> None:
     plan = job()
     mesh = checked(plan.solids[0])
     heights = plan.plan.arm_thickness[:, 0]
+    star_of = plan.plan.arm_star
     alone = sum(
-        shapely.union_all(
-            [shapely.Polygon(s.corners(plan.plan.centres[s.star])) for s in plan.arms if s.star == star]
-        ).area
-        * heights[plan.plan.arm_star == star][0]
+        shapely.union_all([arm.region for arm in plan.arms if star_of[arm.number] == star]).area
+        * heights[star_of == star][0]
         for star in range(len(plan.plan.centres))
     )
     assert mesh.volume == pytest.approx(alone, rel=3e-4)
@@ -80,12 +79,13 @@ def test_a_tapered_arm_is_a_staircase_of_whole_layers() -> None:
     thickness = {"profile": "radial", "from": 0.7, "to": 0.2, "over_mm": 8.0}
     stars = {"length_mm": 8.0, "thickness_mm": thickness, "vary_along_arms": True, "rounding": RULE.model_dump()}
     plan = layout(design(stars=stars, border={"rings": 0}, pins=[]))
-    steps = plastic_terraces(plan, arm_pieces(plan, RULE))
+    arms, _ = pieces(plan, RULE)
+    steps = plastic_terraces(arms, [])
     assert [step.height_mm for step in steps] == pytest.approx([0.2, 0.3, 0.4, 0.5, 0.6, 0.7])
-    arm = [strip for strip in arm_pieces(plan, RULE) if np.allclose(strip.direction, [0.0, -1.0])]
+    down = [piece.points for piece in arms if np.allclose(piece.points[:, 0], 0.0)]
     # half a layer more than a step begins the next
-    assert [strip.begin_mm for strip in arm] == pytest.approx([0.0, 0.8, 2.4, 4.0, 5.6, 7.2])
-    assert arm[-1].end_mm == pytest.approx(8.0)
+    assert [-begin[1] for begin, _ in down] == pytest.approx([0.0, 0.8, 2.4, 4.0, 5.6, 7.2])
+    assert down[-1][1] == pytest.approx([0.0, -8.0])
     mesh = checked(terraced_solid("stars", steps))
     assert mesh.volume == pytest.approx(sum(s.region.area * 0.1 for s in steps) + steps[0].region.area * 0.1, rel=1e-6)
 

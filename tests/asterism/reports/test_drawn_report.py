@@ -9,7 +9,7 @@ import pytest
 from asterism.exact.simulation import exact_shape
 from asterism.pattern.design.design import Design
 from asterism.print.job import prepare
-from asterism.print.profiles import load_plastic, load_printer
+from asterism.print.printer import load_plastic, load_printer
 from asterism.reports.design_page import design_facts
 from asterism.reports.design_report import report
 from asterism.reports.write_results import write_results

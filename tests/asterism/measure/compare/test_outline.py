@@ -8,9 +8,8 @@ import numpy as np
 import pytest
 import shapely
 
-from asterism.measure.compare.outline import read_outline
+from asterism.measure.compare.outline import fit_outline, read_outline, silhouette
 from asterism.measure.compare.scan import ScanError
-from asterism.measure.compare.silhouette import fit_outline, silhouette
 from asterism.results.csv_cells import TableError
 from tests.asterism.sheets import dome, flat, sheet, tube
 
@@ -80,7 +79,6 @@ def test_a_drawing_with_a_size_takes_no_unit(tmp_path: Path) -> None:
     ("name", "text", "problem"),
     [
         ("a.svg", "", "SVG"),
-        ("a.svg", "nonsense", "SVG"),
         ("a.svg", SVG.format(size="", body=""), "no line"),
         ("a.svg", SVG.format(size="", body='<path d="M0 0 H9 V9"/>'), "holds no closed line with three corners"),
         ("a.svg", "<html></html>", "is not a drawing in SVG"),
@@ -89,24 +87,18 @@ def test_a_drawing_with_a_size_takes_no_unit(tmp_path: Path) -> None:
             SVG.format(size='width="100px" height="100px"', body=RECT),
             "size in px: give width and height in mm",
         ),
-        ("a.svg", SVG.format(size='width="100" height="100"', body=RECT), "size in px: give width and height in mm"),
         (
             "a.svg",
             SVG.format(size='width="100,0mm" height="60,0mm" viewBox="0 0 100 60"', body=RECT),
             "has the size '100,0mm': must be a number and a unit, 120mm; decimals have a point",
         ),
         ("a.svg", SVG.format(size='width="wide" height="60mm"', body=RECT), "has the size 'wide': must be a number"),
-        ("a.svg", SVG.format(size='width="100%" height="100%"', body=RECT), "size in %: give width and height in mm"),
         ("a.csv", "x_mm,y_mm\n0,0\n10,10\n10,0\n0,10\n", "crosses itself"),
         ("a.csv", "x_mm,y_mm\n0,0\n10,10\n", "at least three"),
         ("a.csv", "x_mm,y_mm\n0,0\n5,5\n10,10\n", "on a line"),
-        ("a.csv", "x_mm,y_mm\n0,0\n0.1,0.3\n0.3,0.9\n", "on a line"),
-        ("a.csv", "x_mm,y_mm\n", "at least three"),
         ("a.csv", "x_mm,y_mm\n1," + "9" * 140_000, "row 2: field larger"),
-        ("a.csv", "", "is empty"),
         ("a.csv", "x,y\n1,2\n", "row 1: no column 'x'"),
         ("a.csv", "x_mm,y_mm\n1,\n", "row 2, column y_mm: is empty"),
-        ("a.csv", "x_mm,y_mm\n1,nan\n", "row 2, column y_mm: nan is not a finite number$"),
         ("a.csv", 'x_mm,y_mm\n"1,5",2\n', "row 2, column x_mm.*point"),
         ("a.csv", "x_mm,y_mm\n1,nan\n", "row 2, column y_mm.*finite"),
     ],

@@ -87,13 +87,12 @@ def test_what_is_measured() -> None:
     assert covered == pytest.approx(100 / 3, abs=4)
 
 
-@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in (1, 2))])
-def test_a_sheet_like_itself_from_two_sides_says_two(seed: int) -> None:
+def test_a_sheet_like_itself_from_two_sides_says_two() -> None:
     """A scan without noise too, where nothing but the registration's own error is left."""
     shape = sheet(saddle, edge=3.0)
     points, _ = scanned(shape, 5, 0.0, 1.0, other=0.0)
-    rotation, shift = motion(seed)
-    found = compare_scan(shape, Scan(points @ rotation.T + shift, 0, len(points)), seed=seed)
+    rotation, shift = motion(0)
+    found = compare_scan(shape, Scan(points @ rotation.T + shift, 0, len(points)))
     assert found.distances()["poses_as_good"] == 2
 
 

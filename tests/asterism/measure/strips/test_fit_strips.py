@@ -18,7 +18,7 @@ from asterism.measure.strips.strip_table import Reading
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.spread import Spread
-from tests.asterism.commands import command
+from tests.asterism.commands import Cli, command
 from tests.asterism.measure.strips.synthetic import synthetic_readings
 
 
@@ -41,8 +41,8 @@ def strips(tmp_path: Path) -> Path:
     return table(synthetic_readings(0), tmp_path / "strips.csv")
 
 
-def test_material_picture_and_numbers(strips: Path, capsys, monkeypatch) -> None:
-    done = command(["strips", "fit", str(strips)], capsys, monkeypatch)
+def test_material_picture_and_numbers(strips: Path, cli: Cli) -> None:
+    done = cli(["strips", "fit", str(strips)])
     assert done.status == 0, done.err
     assert "E1/E2, paper" in done.out and "E1/E2, timoshenko" in done.out and "kappa_bar" in done.out
     assert "times as stiff" in done.out
@@ -62,9 +62,9 @@ def test_material_picture_and_numbers(strips: Path, capsys, monkeypatch) -> None
         assert picture.size == (1350, 810)
 
 
-def test_strips_in_two_directions_give_a_fabric_with_a_grain(tmp_path: Path, capsys, monkeypatch) -> None:
+def test_strips_in_two_directions_give_a_fabric_with_a_grain(tmp_path: Path, cli: Cli) -> None:
     strips = table(synthetic_readings(0, moduli=(10.0, 5.0)), tmp_path / "strips.csv")
-    done = command(["strips", "fit", str(strips)], capsys, monkeypatch)
+    done = cli(["strips", "fit", str(strips)])
     assert done.status == 0, done.err
     assert "E1/E2 along, paper" in done.out and "E1/E2 across, timoshenko" in done.out
     material = load_material(strips.with_name("material.toml"))
@@ -76,50 +76,37 @@ def test_strips_in_two_directions_give_a_fabric_with_a_grain(tmp_path: Path, cap
     assert numbers["readings_used"] == 80
 
 
-def test_the_other_convention_and_a_table(strips: Path, capsys, monkeypatch) -> None:
+def test_the_other_convention_and_a_table(strips: Path, cli: Cli) -> None:
     words = ["strips", "fit", str(strips), "--rest-curvature", "timoshenko", "--kappa-bar", "per-thickness"]
-    assert command(words, capsys, monkeypatch).status == 0
+    assert cli(words).status == 0
     plastic = load_material(strips.with_name("material.toml")).plastic
     assert plastic.rest_curvature == "timoshenko" and 1400 < plastic.modulus_ratio < 1650
     assert plastic.kappa_bar_per_mm.thickness_mm == (0.3, 0.35, 0.4, 0.45)  # type: ignore[union-attr]
 
 
-def test_outliers_are_named(tmp_path: Path, capsys, monkeypatch) -> None:
-    file = table(synthetic_readings(0), tmp_path / "strips.csv")
-    rows = file.read_text().splitlines()
-    rows[7] = "7,0.3,60,1.35,0.8,,44.0,18.0,59.6,1.6"
-    rows[9] = "9,0.3,60,1.35,0.8,,44.0,5.0,59.6,1.6"
-    file.write_text("\n".join(rows))
-    done = command(["strips", "fit", str(file)], capsys, monkeypatch)
-    assert done.status == 0 and "80, 79 used" in done.out
-    assert "strip 7 with fabric (row 8): 0.04" in done.err and "it is used" in done.err
-    # a box that is not that of the strip
-    assert "left out: strip 9 with fabric (row 10): its box holds an arc of 45.5 mm" in done.out
-
-
-def test_own_files_are_left_alone(strips: Path, capsys, monkeypatch) -> None:
+def test_own_files_are_left_alone(strips: Path, cli: Cli) -> None:
     material = strips.with_name("material.toml")
     words = ["strips", "fit", str(strips)]
-    assert command(words, capsys, monkeypatch).status == command(words, capsys, monkeypatch).status == 0
+    assert cli(words).status == cli(words).status == 0
     material.write_text("name = 'mine'\n")
-    assert "another name" in command(words, capsys, monkeypatch).line
+    assert "another name" in cli(words).line
     assert material.read_text() == "name = 'mine'\n"
-    assert ".toml" in command([*words, "-o", "x.txt"], capsys, monkeypatch).line
+    assert ".toml" in cli([*words, "-o", "x.txt"]).line
     for mine in (strips.with_name("dome.json"), strips.with_name("photo.png")):
         mine.write_text("mine")
-        done = command([*words, "-o", str(mine.with_suffix(".toml"))], capsys, monkeypatch)
+        done = cli([*words, "-o", str(mine.with_suffix(".toml"))])
         assert done.status == 2 and mine.name in done.line and "another name" in done.line
         assert mine.read_text() == "mine" and not mine.with_suffix(".toml").exists()
 
 
-def test_mistakes_leave_nothing(strips: Path, capsys, monkeypatch) -> None:
+def test_mistakes_leave_nothing(strips: Path, cli: Cli) -> None:
     strips.write_text(strips.read_text().replace("60,", "60mm,", 1))
-    done = command(["strips", "fit", str(strips)], capsys, monkeypatch)
+    done = cli(["strips", "fit", str(strips)])
     assert done.status == 2 and "row 2, column length_mm" in done.line
     strips.write_text(
         "strip,thickness_mm,length_mm,stretch,fabric_thickness_mm,box_width_mm,box_height_mm\n1,.4,60,1.3,1,,flat"
     )
-    done = command(["strips", "fit", str(strips), "--kappa-bar", "zero"], capsys, monkeypatch)
+    done = cli(["strips", "fit", str(strips), "--kappa-bar", "zero"])
     assert done.status == 1 and "looks flat" in done.line
     assert [file.name for file in strips.parent.iterdir()] == ["strips.csv"]
 
@@ -165,57 +152,36 @@ WITHOUT_FABRIC = HEAD.replace("stretch,fabric_thickness_mm,", "")
         (HEAD + "1,.3,60,1.35,.8,0,.030\n2,.4,60,1.35,.8,.0,.017", [], "row 2, column peeled_curvature", "swapped"),
         (BOXES + "a,.3,60,1.35,.8,59.8,1.35,48.4,13\n", [], "row 2, column peeled_box_width_mm", "swapped"),
         (HEAD + "1,.3,60,1.35,.8,.03,.003", ["--stretch", "1.4"], "row 2, column stretch", "--stretch is for tables"),
-        (HEAD + "1,.3,60,1.35,.8,.03,.003", ["--stretch", "1.35"], "row 2, column stretch", "--stretch is for tables"),
-        (
-            HEAD + "1,.3,60,1.35,,.03,.003\n2,.3,60,1.35,.8,.03,.003",
-            ["--fabric-thickness", ".7"],
-            "row 3, column fabric_thickness_mm",
-            "--fabric-thickness is for tables",
-        ),
-        (
-            HEAD + "1,.3,6,1.35,.8,.03,.003",
-            [],
-            "row 2, column length_mm",
-            "from 10 to 1000 mm; is it in inches or cent",
-        ),
-        (
-            BOXES + "1,.3,15,1.35,.8,105.3,49.7,,\n",
-            [],
-            "row 2, column length_mm",
-            "about 160 by its box; is it in cent",
-        ),
-        (BOXES + "1,.3,60,1.35,.8,5.3,1.18,,\n", [], "row 2, column box_width_mm", "centimetres"),
-        (HEAD + "1,.03,60,1.35,.8,.03,.003", [], "row 2, column thickness_mm", "is it in inches or centimetres"),
     ],
 )
 def test_a_wrong_table_is_refused_with_its_place(
-    text: str, options: list[str], place: str, problem: str, tmp_path, capsys, monkeypatch
+    text: str, options: list[str], place: str, problem: str, tmp_path, cli: Cli
 ) -> None:
     (tmp_path / "strips.csv").write_text(text)
-    done = command(["strips", "fit", str(tmp_path / "strips.csv"), *options], capsys, monkeypatch)
+    done = cli(["strips", "fit", str(tmp_path / "strips.csv"), *options])
     assert done.status == 2 and not done.out
     assert f"strips.csv, {place}" in done.line and problem in done.line
     assert [file.name for file in tmp_path.iterdir()] == ["strips.csv"]
 
 
-def test_the_options_fill_a_table_without_these_columns(tmp_path: Path, capsys, monkeypatch) -> None:
+def test_the_options_fill_a_table_without_these_columns(tmp_path: Path, cli: Cli) -> None:
     """Empty columns count as no columns."""
     rows = [(f"{h}", f"{k}", f"{k / 100}") for h, k in ((0.3, 0.031), (0.3, 0.030), (0.4, 0.018), (0.4, 0.017))]
     for head, row in ((WITHOUT_FABRIC, "{},{},60,{},{}"), (HEAD, "{},{},60,,,{},{}")):
         lines = [row.format(number, *each) for number, each in enumerate(rows)]
         (tmp_path / "strips.csv").write_text(head + "\n".join(lines))
         words = ["strips", "fit", str(tmp_path / "strips.csv"), "--stretch", "1.35", "--fabric-thickness", "0.8"]
-        assert command(words, capsys, monkeypatch).status == 0
+        assert cli(words).status == 0
 
 
 @pytest.mark.parametrize("name", ["a\N{GRINNING FACE}.toml", "m\udce9s.toml"])
-def test_a_material_of_any_file_name_can_be_read(name: str, strips: Path, capsys, monkeypatch) -> None:
+def test_a_material_of_any_file_name_can_be_read(name: str, strips: Path, cli: Cli) -> None:
     try:
         odd = strips.rename(strips.with_name(name.replace(".toml", ".csv")))
     except (OSError, UnicodeError):
         pytest.skip("no such names on this disk")
     path = strips.with_name(name)
-    assert command(["strips", "fit", str(odd), "-o", str(path)], capsys, monkeypatch).status == 0
+    assert cli(["strips", "fit", str(odd), "-o", str(path)]).status == 0
     assert load_material(path).name.isprintable()
 
 
@@ -275,14 +241,3 @@ def test_what_a_material_does_not_change_is_said(tmp_path: Path) -> None:
     assert notes == [f"{file}: its lattice is not used, but that of the design (spacings 8 mm, 17.32 mm)"]
     with pytest.raises(DesignError, match=r"lattice\.spacing_mm = 8.0: needs a \[plan\] of its own"):
         load_material(file)
-
-
-@pytest.mark.usefixtures("blank_pictures")
-def test_simulate_takes_a_material(tmp_path: Path, capsys, monkeypatch) -> None:
-    (tmp_path / "d.toml").write_text("[stars]\nlength_mm = 10.0\n[border]\nrings = 0\n[mesh]\nedge_mm = 4.0\n")
-    (tmp_path / "m.toml").write_text("[plastic]\nmodulus_ratio = 2000.0\n")
-    words = ["simulate", str(tmp_path / "d.toml"), "-o", str(tmp_path / "out"), "--material"]
-    assert command([*words, str(tmp_path / "m.toml")], capsys, monkeypatch).status == 0
-    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
-    assert summary["design"]["plastic"]["modulus_ratio"] == 2000.0
-    assert "none.toml" in command([*words, "none.toml"], capsys, monkeypatch).line

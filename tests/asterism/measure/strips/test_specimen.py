@@ -14,17 +14,17 @@ import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 
-from asterism.measure.strips.new_strips import new_strips
-from asterism.measure.strips.specimen import (
+from asterism.measure.strips.new_strips import (
     BED_MARGIN_MM,
     STRIP_GAP_MM,
     THICKNESSES_MM,
     lay_out_specimen,
     layer_heights,
+    new_strips,
 )
 from asterism.measure.strips.strip_table import read_strips
 from asterism.pattern.design.errors import DesignError
-from tests.asterism.commands import command
+from tests.asterism.commands import Cli
 
 BED = (223.0, 223.0)
 
@@ -137,15 +137,15 @@ def test_the_sheet_says_what_to_do_and_has_every_strip(folder: Path) -> None:
     assert all(str(number) in words for number in range(1, 41)) and "peeled" in words
 
 
-def test_the_nozzle_starts_on_the_fabric(folder: Path, tmp_path: Path, capsys, monkeypatch) -> None:
+def test_the_nozzle_starts_on_the_fabric(folder: Path, tmp_path: Path, cli: Cli) -> None:
     """4 mm of plate and 0.8 of fabric, or what the options say; in the start code, on the page and in the terminal."""
-    from asterism.print.profiles import load_printer
+    from asterism.print.printer import load_printer
 
     assert (folder / "start.gcode").read_text() == load_printer("ultimaker2").start_snippet(4.8, released_mm=0.8)
     page = pypdfium2.PdfDocument(folder / "strips.pdf")[0].get_textpage().get_text_range()
     assert "start.gcode" in page and "4.80 mm above the bed" in page and "homes z" in page
     words = ["strips", "new", "-o", str(tmp_path / "a"), "--plate", "3", "--fabric", "0.5", "--printer", "prusa-mk4"]
-    done = command(words, capsys, monkeypatch)
+    done = cli(words)
     assert done.status == 0 and "z offset 3.50 mm (plate and stretched fabric)" in done.out
     assert "stars are sliced in other layers (first 0.2 mm, then 0.2 mm): export them with" in done.out
     assert "--first-layer 0.3 --layer 0.05" in done.out
@@ -180,14 +180,14 @@ def test_the_slicer_gets_the_layers_of_the_strips(tmp_path: Path) -> None:
         assert settings["extrusion_width"] == "0.4" and settings["fill_density"] == "100%"
 
 
-def test_a_table_with_measurements_is_kept(tmp_path: Path, capsys, monkeypatch) -> None:
+def test_a_table_with_measurements_is_kept(tmp_path: Path, cli: Cli) -> None:
     words = ["strips", "new", "-o", str(tmp_path / "a")]
-    assert command(words, capsys, monkeypatch).status == 0
-    assert command(words, capsys, monkeypatch).status == 0
+    assert cli(words).status == 0
+    assert cli(words).status == 0
     table = tmp_path / "a" / "strips.csv"
     table.write_text(table.read_text().replace(",,,,", ",53.4,11.7,,", 1))
     filled = table.read_text()
-    assert "filled in" in command(words, capsys, monkeypatch).line
+    assert "filled in" in cli(words).line
     assert table.read_text() == filled
 
 
@@ -203,7 +203,7 @@ def test_a_table_with_measurements_is_kept(tmp_path: Path, capsys, monkeypatch) 
         (["--plate", "99"], "--plate"),
     ],
 )
-def test_mistakes(words: list[str], problem: str, tmp_path: Path, capsys, monkeypatch) -> None:
-    done = command(["strips", "new", "-o", str(tmp_path / "a"), *words], capsys, monkeypatch)
+def test_mistakes(words: list[str], problem: str, tmp_path: Path, cli: Cli) -> None:
+    done = cli(["strips", "new", "-o", str(tmp_path / "a"), *words])
     assert done.status == 2 and problem in done.line
     assert not (tmp_path / "a").exists()

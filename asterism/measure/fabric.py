@@ -1,21 +1,88 @@
-"""Bending stiffness of a fabric from the cantilever test: strips that hang over an edge, and the form of the test."""
+"""A fabric measured by hand: its modulus from a strip with a weight, its bending stiffness from overhanging strips."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import product
 from pathlib import Path
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 import numpy as np
+from scipy.optimize import brentq
 
-from asterism.measure.strips.form import HELP_PEN, TEXT_PEN, page_head, wrapped
+from asterism.measure.strips.new_strips import HELP_PEN, page_head, wrapped
 from asterism.pattern.design.design import GRAVITY_M_S2
 from asterism.pattern.design.errors import DesignError
-from asterism.print.drawing import A4_MM, Drawing, DrawingLayer, Label, Polyline, rectangle
+from asterism.print.drawing import A4_MM, TEXT, Drawing, DrawingLayer, Label, Polyline, rectangle
 from asterism.print.formats.pdf import write_pdf
 from asterism.results.csv_cells import TableError, read_rows
 from asterism.results.files import OutputError, staged
+
+
+def fabric_modulus_mpa(
+    mass_g: float,
+    width_mm: float,
+    thickness_mm: float,
+    stretch: float,
+    poisson: float = 0.3,
+    model: Literal["neo-hookean", "incompressible"] = "neo-hookean",
+) -> float:
+    """The modulus `fabric.modulus_mpa` with which a hanging strip has the measured stretch.
+
+    Of fabric with two moduli a strip gives one of them at small stretches only.
+
+    Parameters
+    ----------
+    mass_g : of the weight with its clamp; a strip that is long against its width contracts freely between the clamps.
+    width_mm, thickness_mm : of the released strip.
+    stretch : length between two marks under the weight over their distance without it; 1.02 to 3.
+    poisson, model : as in the section `[fabric]` of the design that uses the modulus.
+
+    Raises
+    ------
+    DesignError
+        A value is out of range.
+
+    Notes
+    -----
+    The energy is that of `discrete.energies.membrane`, with unit modulus; the strip is free of stress across. The
+    force is proportional to the modulus.
+
+    Examples
+    --------
+    >>> round(fabric_modulus_mpa(100.0, 40.0, 0.8, 1.2), 3)
+    0.175
+    """
+    limits = (
+        ("mass_g", mass_g, 0.1, 1e5),
+        ("width_mm", width_mm, 1.0, 1e4),
+        ("thickness_mm", thickness_mm, 0.01, 10.0),
+        ("stretch", stretch, 1.02, 3.0),
+        ("poisson", poisson, 0.0, 0.49),
+    )
+    for name, value, low, high in limits:
+        if not low <= value <= high:
+            raise DesignError(name, f"must be from {low:g} to {high:g}", value)
+    stress = 1e-3 * mass_g * GRAVITY_M_S2 / (width_mm * thickness_mm)
+    return stress / nominal_stress(stretch, poisson, model)
+
+
+def nominal_stress(stretch: float, poisson: float, model: Literal["neo-hookean", "incompressible"]) -> float:
+    """Force over the released cross-section of a stretched strip, over its modulus.
+
+    >>> round(nominal_stress(1.001, 0.3, "neo-hookean"), 5)  # small strains follow Hooke's law
+    0.001
+    """
+    if model == "incompressible":
+        return (stretch - stretch**-2) / 3.0
+    mu, lame = 0.5 / (1.0 + poisson), poisson / (1.0 - poisson**2)
+
+    def across(width: float) -> float:
+        return mu * (width**2 - 1.0) + lame * np.log(stretch * width)
+
+    width = float(brentq(across, 1e-3, 1.0))
+    return float(mu * (stretch - 1.0 / stretch) + lame * np.log(stretch * width) / stretch)
+
 
 # slope of the test
 SLOPE_DEG = 41.5
@@ -94,11 +161,6 @@ def read_overhangs(path: Path) -> list[float]:
 
     The mean is geometric, over the ends and faces of a strip that were measured. Readings of one strip resemble each
     other; therefore strips count, and not readings, when the interval is computed (ASTM D1388).
-
-    Raises
-    ------
-    TableError
-        The table is wrong; the message names file, row and column.
     """
     readings: dict[str, list[float]] = {}
     seen: dict[tuple[str, str, str], int] = {}
@@ -127,29 +189,20 @@ _SLOPE_MM = 100.0
 
 
 def write_overhang_form(directory: str | Path) -> tuple[str, ...]:
-    """Write the form of the cantilever test: overhangs.csv to fill in, and overhangs.pdf to print.
+    """Write the form of the cantilever test: overhangs.csv to fill in, and overhangs.pdf to print; returns their names.
 
-    Returns
-    -------
-    Names of the files.
-
-    Raises
-    ------
-    OutputError
-        The files cannot be written, or the directory holds a table that has been filled in.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> write_overhang_form(tempfile.mkdtemp())
-    ('overhangs.csv', 'overhangs.pdf')
+    An `OutputError` refuses a directory that holds a table that has been filled in.
     """
-    table, text = Path(directory) / FORM_FILES[0], _csv_text()
+    places = product(range(1, STRIPS + 1), ENDS, FACES)
+    rows = [",".join(OVERHANG_COLUMNS), *(f"{strip},{end},{face}," for strip, end, face in places)]
+    table, text = Path(directory) / FORM_FILES[0], "\n".join(rows) + "\n"
     if table.exists() and table.read_bytes() != text.encode():
         raise OutputError(f"{table} exists and may have been filled in; choose another directory with --form")
     with staged(directory) as folder:
         (folder / FORM_FILES[0]).write_text(text, encoding="utf-8", newline="\n")
-        write_pdf(folder / FORM_FILES[1], [_page()])
+        items, y = page_head("Overhangs to measure how stiff a fabric bends", _steps())
+        items += [*_slope(y - 3.0), *_table(104.0)]
+        write_pdf(folder / FORM_FILES[1], [Drawing("Overhangs", np.zeros(2), np.array(A4_MM), tuple(items))])
     return FORM_FILES
 
 
@@ -169,19 +222,6 @@ def _steps() -> list[str]:
         "6. Type the overhangs into overhangs.csv, then  asterism strips overhang overhangs.csv --mass G",
     ]
     return [line for step in steps for line in wrapped(step)]
-
-
-def _csv_text() -> str:
-    """The table to fill in."""
-    places = product(range(1, STRIPS + 1), ENDS, FACES)
-    return "\n".join([",".join(OVERHANG_COLUMNS), *(f"{strip},{end},{face}," for strip, end, face in places)]) + "\n"
-
-
-def _page() -> Drawing:
-    items, y = page_head("Overhangs to measure how stiff a fabric bends", _steps())
-    items += _slope(y - 3.0)
-    items += _table(104.0)
-    return Drawing("Overhangs", np.zeros(2), np.array(A4_MM), tuple(items))
 
 
 def _slope(top: float) -> list[Polyline | Label]:
@@ -208,5 +248,5 @@ def _table(top: float) -> list[Polyline | Label]:
         text = heads[column] if row == 0 else str(row) if column == 0 else ""
         if text:
             at = np.array([centre[0], centre[1] - 1.0])
-            items.append(Label(TEXT_PEN, at, text, 3.0, end="middle", bold=row == 0))
+            items.append(Label(TEXT, at, text, 3.0, end="middle", bold=row == 0))
     return items
