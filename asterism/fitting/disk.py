@@ -91,13 +91,25 @@ class Disk:
 
 
 def disk_of(vertices: Floats, triangles: Ints, name: str) -> Disk:
-    """The disk of some triangles (T, 3) over vertices (V, 3) mm, welded and equally oriented.
+    """The disk of some triangles, welded and equally oriented.
+
+    Parameters
+    ----------
+    vertices : (V, 3) mm.
+    triangles : (T, 3).
+    name : of the target, for messages.
 
     Raises
     ------
     TargetError
         The triangles are no disk: many without area, several pieces, closed, holes, a handle, one side only, edges of
-        three triangles, or a border that touches itself. The message begins with `name`.
+        three triangles, or a border that touches itself.
+
+    Examples
+    --------
+    >>> square = np.array([[0.0, 0.0, 0.0], [9.0, 0.0, 0.0], [9.0, 9.0, 0.0], [0.0, 9.0, 0.0]])
+    >>> disk_of(square, np.array([[0, 1, 2], [0, 3, 2]]), "square").border.tolist()
+    [0, 1, 2, 3]
     """
     vertices, triangles = _welded(vertices, triangles)
     if len(triangles) == 0:

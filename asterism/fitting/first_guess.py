@@ -68,7 +68,24 @@ class FirstGuess:
 def guess_design(
     target: TargetSurface, law: StarLaw, settings: FitSettings | None = None, say: Say = ignore_line
 ) -> FirstGuess:
-    """The first guess of a design for a target; the lattice is that of the law. Errors are those of `fit`."""
+    """The first guess of a design for a target.
+
+    Parameters
+    ----------
+    law : of the material; its lattice is that of the design.
+    say : called with a line of text at the beginning of each stage.
+
+    Raises
+    ------
+    TargetError
+        The flat target overlaps itself.
+    ReachError
+        Stars cannot make the target.
+    ForeignLaw
+        The law has no table for the stretch.
+    LawError
+        The law does not cover the width, or is for unequal stretches in x and y.
+    """
     if not law.even_stretches:
         raise LawError("a fit to a surface needs a law of equal stretch in x and y", field="fabric.stretch")
     say("flattening the target")

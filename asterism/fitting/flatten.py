@@ -62,7 +62,19 @@ class FlatDisk:
 
 
 class Flattener:
-    """Flattens one disk for several scale factors of its border; the factorisation is kept."""
+    """Flattens one disk for several scale factors of its border; the factorisation is kept.
+
+    Examples
+    --------
+    A flat square stays as it is:
+
+    >>> from asterism.fitting.disk import disk_of
+    >>> corners = np.array([[0.0, 0.0, 0.0], [9.0, 0.0, 0.0], [9.0, 9.0, 0.0], [0.0, 9.0, 0.0], [4.0, 5.0, 0.0]])
+    >>> triangles = np.array([[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]])
+    >>> flat = Flattener(disk_of(corners, triangles, "square")).flatten()
+    >>> round(flat.ratio, 12), flat.flipped
+    (1.0, 0)
+    """
 
     def __init__(self, disk: Disk) -> None:
         self.disk = disk

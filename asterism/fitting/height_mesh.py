@@ -19,8 +19,15 @@ CONTINUED_CELLS = 2
 
 
 def height_mesh(heights_mm: Floats, x_mm: Floats, y_mm: Floats) -> tuple[Floats, Ints]:
-    """Vertices (V, 3) mm and triangles (T, 3) over a grid of heights (m, n), nan where there is no surface.
+    """Vertices (V, 3) mm and triangles (T, 3) over a grid.
 
+    Parameters
+    ----------
+    heights_mm : (m, n), nan where there is no surface.
+    x_mm, y_mm : (n,) and (m,), increasing.
+
+    Examples
+    --------
     >>> vertices, triangles = height_mesh(np.array([[0.0, 1.0], [2.0, np.nan]]), np.arange(2.0), np.arange(2.0))
     >>> triangles.tolist()
     [[0, 1, 2]]

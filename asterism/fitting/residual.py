@@ -78,7 +78,13 @@ class FitDistance:
 
 
 def target_distance(shape: Shape, residual: Residual, lattice_vectors: Floats) -> FitDistance:
-    """The distance of a shape to a target at all vertices of the shape; the residual lays a free sheet on it."""
+    """The distance of a shape to a target, at all vertices of the shape.
+
+    Parameters
+    ----------
+    residual : of the print; it lays a free sheet on the target.
+    lattice_vectors : (2, 2) mm, rows.
+    """
     target, places = residual.target, residual.places
     if not shape.held:
         rotation, shift = residual.pose(shape.at(places.points[: places.count]))
@@ -168,10 +174,17 @@ class SheetState:
 
 
 class Residual:
-    """Residuals of the sheets of one print with its places; a sheet without supports, `is_free`, is laid on the target.
+    """Residuals of the sheets of one print.
+
+    Parameters
+    ----------
+    target : the surface.
+    places : of the print.
+    is_free : whether the sheet has no supports; then it is laid on the target.
 
     Attributes
     ----------
+    target, places : as given.
     offset : (3 n,) is added to the residuals of previews.
     """
 

@@ -18,11 +18,23 @@ MAX_SURFACE_POINTS = 200
 
 
 def read_rhino(path: Path, mm: float | None) -> tuple[Floats, Ints]:
-    """The visible surfaces of a 3DM file: vertices (V, 3) in mm and triangles (T, 3).
+    """The visible surfaces of a 3DM file as triangles.
 
     Meshes are taken as they are. A surface that is not trimmed is sampled at its parameters; of a trimmed or joined one
-    the file must hold the render mesh, as files saved by Rhino do. `mm` is the length of the unit of the numbers; None
-    for the unit that the file names.
+    the file must hold the render mesh, as files saved by Rhino do.
+
+    Parameters
+    ----------
+    mm : length of the unit of the numbers; None for the unit that the file names.
+
+    Returns
+    -------
+    Vertices (V, 3) in mm and triangles (T, 3).
+
+    Raises
+    ------
+    TargetError
+        `rhino3dm` is not installed, or the file holds no surface that can be read.
     """
     model = open_rhino_model(path, mm, lambda problem: TargetError(path, problem))
     meshes = [mesh for geometry, _, hidden in model.shown() if not hidden for mesh in _meshes(path, geometry)]

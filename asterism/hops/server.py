@@ -169,6 +169,11 @@ def run_hops(
     key : that requests must carry; None for no key.
     patience_s : longest estimated time of an exact shape.
     say : called with the addresses of the components.
+
+    Raises
+    ------
+    ListenError
+        The port is in use.
     """
     with bound(LOOPBACK, port) as listening:
         port = listening.getsockname()[1]

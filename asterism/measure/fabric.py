@@ -161,6 +161,11 @@ def read_overhangs(path: Path) -> list[float]:
 
     The mean is geometric, over the ends and faces of a strip that were measured. Readings of one strip resemble each
     other; therefore strips count, and not readings, when the interval is computed (ASTM D1388).
+
+    Raises
+    ------
+    TableError
+        The table is wrong; the message names file, row and column.
     """
     readings: dict[str, list[float]] = {}
     seen: dict[tuple[str, str, str], int] = {}
@@ -189,9 +194,22 @@ _SLOPE_MM = 100.0
 
 
 def write_overhang_form(directory: str | Path) -> tuple[str, ...]:
-    """Write the form of the cantilever test: overhangs.csv to fill in, and overhangs.pdf to print; returns their names.
+    """Write the form of the cantilever test: overhangs.csv to fill in, and overhangs.pdf to print.
 
-    An `OutputError` refuses a directory that holds a table that has been filled in.
+    Returns
+    -------
+    Names of the files.
+
+    Raises
+    ------
+    OutputError
+        The files cannot be written, or the directory holds a table that has been filled in.
+
+    Examples
+    --------
+    >>> import tempfile
+    >>> write_overhang_form(tempfile.mkdtemp())
+    ('overhangs.csv', 'overhangs.pdf')
     """
     places = product(range(1, STRIPS + 1), ENDS, FACES)
     rows = [",".join(OVERHANG_COLUMNS), *(f"{strip},{end},{face}," for strip, end, face in places)]

@@ -212,9 +212,22 @@ def prepare(
     shape: Shape | None = None,
     any_size: bool = False,
 ) -> Job:
-    """Round a design for a printer and place it on the bed; options and errors are those of `export`.
+    """Round a design for a printer and place it on the bed.
 
-    With `any_size` a print that does not fit is accepted, with the reason in `too_large`.
+    Parameters
+    ----------
+    fabric_mm : thickness of the stretched fabric; by default the design's, which is that of the released fabric.
+    fabric_set_percent : by how much the fabric is longer after its release than before it was stretched.
+    border : print a line to cut along, if it fits the bed and the frame.
+    turn_deg : counterclockwise turn of the print on the bed.
+    needle_spacing_mm : largest distance of needles on supported edges.
+    shape : the sheet in space.
+    any_size : accept a print that does not fit, with the reason in `too_large`.
+
+    Raises
+    ------
+    DesignError
+        The print does not fit the bed or the frame, its rounded arms overlap, or a value is out of range.
     """
     for option, value, limits in (
         ("--fabric", fabric_mm, (0.01, 50.0)),  # the lower limit is that of a design

@@ -190,9 +190,16 @@ def profile_names(kind: str) -> list[str]:
 
 
 def load_printer(printer: str | Printer) -> Printer:
-    """The profile of a printer, by its name, by the path of a `.toml` or `.json` file, or as it is.
+    """The profile of a printer.
 
-    A `DesignError` says that no profile has the name, or names the field of the file that is wrong, and the range.
+    Parameters
+    ----------
+    printer : name of a profile, path of a `.toml` or `.json` file, or the profile itself.
+
+    Raises
+    ------
+    DesignError
+        No profile has the name, or the file is wrong; the message names the field, its value and the range.
     """
     return _load("printers", printer, Printer)
 
@@ -232,13 +239,22 @@ def adjusted_printer(
 ) -> Printer:
     """The printer with other layer heights (mm), another thickness of the plate (mm) and another frame (2,) mm.
 
-    Values that are not given stay. A `DesignError` names an option that is out of range.
+    Values that are not given stay.
+
+    Raises
+    ------
+    DesignError
+        An option is out of range.
     """
     data = machine.model_dump(mode="json")
-    data |= {} if first_layer is None else {"first_layers_mm": [first_layer]}
-    data |= {} if layer is None else {"layer_mm": layer}
-    data["frame"] |= {} if plate is None else {"plate_mm": plate}
-    data["frame"] |= {} if frame is None else {"size_mm": list(frame)}
+    if first_layer is not None:
+        data["first_layers_mm"] = [first_layer]
+    if layer is not None:
+        data["layer_mm"] = layer
+    if plate is not None:
+        data["frame"]["plate_mm"] = plate
+    if frame is not None:
+        data["frame"]["size_mm"] = list(frame)
     options = {"first_layers_mm[0]": "--first-layer", "layer_mm": "--layer", "frame.plate_mm": "--plate"}
     options |= {f"frame.{name}": "--frame" for name in ("size_mm", "bar_mm")}
     try:

@@ -109,7 +109,12 @@ def terraced_solid(name: str, steps: Sequence[Terrace]) -> Solid:
     """The solid under nested terraces.
 
     Each corner of the plane has points at the heights of all its faces. Walls and roofs use these points only, so that
-    they fit together. A `ValueError` says that the regions are empty.
+    they fit together.
+
+    Raises
+    ------
+    ValueError
+        The regions are empty.
     """
     heights = np.array([step.height_mm for step in steps])
     # terraces may have been turned off the grid; their common corners must stay equal

@@ -58,6 +58,11 @@ def write_export(
     ----------
     change : change of the shape by rounding, from `printed_shape`; None if it was not computed.
     formats : further formats of the whole job, from `demanded_formats`.
+
+    Raises
+    ------
+    OutputError
+        The files cannot be written there.
     """
     tiny = tiny_pieces(job.plan, job.plastic.tiny_arm_mm)
     with staged(directory, stale=_stale_files(directory)) as folder:

@@ -56,6 +56,13 @@ class SweepParameter:
     def from_text(cls, text: str) -> SweepParameter:
         """A parameter from the words of a command line.
 
+        Raises
+        ------
+        SweepError
+            The text has another form, or its range is empty.
+
+        Examples
+        --------
         >>> SweepParameter.from_text("stars.thickness_mm=0.2:0.6:5").values
         (0.2, 0.3, 0.4, 0.5, 0.6)
         >>> SweepParameter.from_text("border.rings=1:3:3").values
@@ -121,7 +128,13 @@ def _whole_range(parameter: SweepParameter) -> SweepParameter:
 
 
 def check_parameters(design: Design, parameters: Sequence[SweepParameter]) -> None:
-    """Refuse parameters that the design lacks, and values that an entry can never have."""
+    """Refuse parameters that the design lacks, and values that an entry can never have.
+
+    Raises
+    ------
+    SweepError
+        The message names the parameter, the value and what is allowed.
+    """
     paths = [parameter.path for parameter in parameters]
     for path in paths:
         if paths.count(path) > 1:
@@ -207,6 +220,13 @@ def _checked(path: str, values: Sequence[Any]) -> tuple[Any, ...]:
 def grid(parameters: Sequence[SweepParameter]) -> list[dict[str, Any]]:
     """All combinations, by path; the last parameter varies fastest.
 
+    Raises
+    ------
+    SweepError
+        A parameter is a range without a number of values, or there are more than `MAX_POINTS` combinations.
+
+    Examples
+    --------
     >>> grid([SweepParameter("a", (1, 2)), SweepParameter("b", (3, 4))])
     [{'a': 1, 'b': 3}, {'a': 1, 'b': 4}, {'a': 2, 'b': 3}, {'a': 2, 'b': 4}]
     """
@@ -229,6 +249,11 @@ def latin_hypercube(parameters: Sequence[SweepParameter], samples: int, seed: in
 
     Reference: McKay, Beckman and Conover, A comparison of three methods for selecting values of input variables in the
     analysis of output from a computer code, 1979.
+
+    Raises
+    ------
+    SweepError
+        The number of samples is out of range.
     """
     if not 2 <= samples <= MAX_POINTS:
         raise SweepError(f"--samples {samples}: must be from 2 to {MAX_POINTS}")

@@ -129,7 +129,13 @@ def sweep_design(
 
 
 def check_model(design: Design, exact: bool) -> None:
-    """Refuse previews of drawn lines that do not repeat, or that have stars beside them: no value would make one."""
+    """Refuse previews of drawn lines that do not repeat, or that have stars beside them: no value would make one.
+
+    Raises
+    ------
+    SweepError
+        The message names exact shapes as the way.
+    """
     if exact or design.rods is None or (refused := without_law(design)) is None:
         return
     if refused.field.split(".")[0] in ("rods", "stars"):
@@ -138,7 +144,13 @@ def check_model(design: Design, exact: bool) -> None:
 
 
 def sweep_parameters(design: Design, vary: Vary) -> tuple[SweepParameter, ...]:
-    """The parameters of a sweep, checked against the design; errors as of `sweep_design`."""
+    """The parameters of a sweep, checked against the design.
+
+    Raises
+    ------
+    SweepError
+        As `sweep_design`.
+    """
     if not vary:
         raise SweepError("a sweep needs a parameter, such as stars.thickness_mm=0.2:0.6:9")
     if isinstance(vary, Mapping):
@@ -151,5 +163,11 @@ def sweep_parameters(design: Design, vary: Vary) -> tuple[SweepParameter, ...]:
 
 
 def sampled(parameters: Sequence[SweepParameter], samples: int | None, seed: int) -> list[dict[str, Any]]:
-    """Values of the parameters by path for each design: all combinations, or a Latin hypercube of so many `samples`."""
+    """Values of the parameters by path for each design: all combinations, or a Latin hypercube of so many `samples`.
+
+    Raises
+    ------
+    SweepError
+        As `grid` and `latin_hypercube`.
+    """
     return grid(parameters) if samples is None else latin_hypercube(parameters, samples, seed)

@@ -123,7 +123,17 @@ SWEEP_PAGE = "sweep.html"
 
 
 def write_sweep(sweep: Sweep, directory: str | Path) -> list[str]:
-    """Write the files of a sweep into a directory, all or none; returns their names. OutputError if that fails."""
+    """Write the files of a sweep into a directory; they appear together, or none of them if writing fails.
+
+    Returns
+    -------
+    Names of the files.
+
+    Raises
+    ------
+    OutputError
+        They cannot be written there.
+    """
     check_type(sweep, Sweep, "sweep makes one")
     with staged_result(directory) as folder:
         (folder / "sweep.csv").write_text(sweep_csv(sweep), encoding="utf-8", newline="\n")

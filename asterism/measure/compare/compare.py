@@ -136,7 +136,13 @@ def check_comparison_directory(directory: str | Path, shape: str | Path) -> None
 
 
 def write_comparison(comparison: MeasuredComparison, directory: str | Path) -> list[str]:
-    """Write compare.png and summary.json into a directory, all or none; returns their names."""
+    """Write compare.png and summary.json into a directory, all or none; returns their names.
+
+    Raises
+    ------
+    OutputError
+        The files cannot be written.
+    """
     with staged_result(directory) as folder:
         comparison.draw(folder / "compare.png")
         (folder / SUMMARY_FILE).write_text(comparison.summary.json_text(), encoding="utf-8")

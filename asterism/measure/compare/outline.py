@@ -46,9 +46,16 @@ class Outline:
 
 
 def read_outline(path: str | Path, unit: str | None = None) -> Outline:
-    """The largest closed line in a file; `unit` is that of a table's numbers, and of a drawing without a size.
+    """The largest closed line in a file.
 
-    A `ScanError` or `TableError` says that the file is not an outline, or that it gives its size itself.
+    Parameters
+    ----------
+    unit : unit of the numbers in a CSV file, and in a drawing without a size; mm by default.
+
+    Raises
+    ------
+    ScanError, TableError
+        The file is not an outline, or it gives its size and `unit` is given too.
     """
     path = Path(path)
     check_file(path)

@@ -103,7 +103,13 @@ def read_scan(path: str | Path, unit: str = "mm") -> Scan:
 
 
 def read_surface(path: str | Path) -> tuple[Floats, Ints]:
-    """Vertices (V, 3) and triangles (T, 3) of an OBJ, STL or PLY file, in the unit of the file."""
+    """Vertices (V, 3) and triangles (T, 3) of an OBJ, STL or PLY file, in the unit of the file.
+
+    Raises
+    ------
+    ScanError
+        The file holds no surface of triangles.
+    """
     path = Path(path)
     vertices, triangles = _read(path)
     if len(triangles) == 0:

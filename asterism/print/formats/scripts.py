@@ -121,7 +121,11 @@ end
 @export_format("OpenSCAD", ".scad", "script")
 def write_openscad(path: Path, job: Job) -> None:
     """Write the stars and drawn rods of a job in the printer's coordinates."""
-    union = ["for (s = stars) star(s);"] * bool(job.arms) + ["for (r = rods) rod(r);"] * bool(job.rods)
+    union = []
+    if job.arms:
+        union.append("for (s = stars) star(s);")
+    if job.rods:
+        union.append("for (r = rods) rod(r);")
     whole = "{ " + " ".join(union) + " }" if len(union) > 1 else union[0]
     _write(path, job, "//", "[", "];", _STAR_MODULES, _ROD_MODULES, f"\nunion() {whole}\n")
 

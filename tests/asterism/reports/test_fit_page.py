@@ -46,7 +46,7 @@ def fitted() -> Fit:
     shape, plan = preview(guess.design), layout(guess.design)
     residual = Residual(target, FitPlaces.of(guess.target_map, plan.outline, plan.lattice_vectors), not plan.pins)
     away = target_distance(shape, residual, plan.lattice_vectors)
-    record = distances(away.mean_percent, away.surface_percent, away.largest_percent)
+    record = away.record
     reach = {name: value for name, value in vars(guess.reach).items() if name != "warnings"}
     summary = FitRecord(
         **{
@@ -95,7 +95,7 @@ def test_the_page_has_its_pictures_and_numbers(fitted: Fit) -> None:
     assert len(pictures) == 10
     assert all(np.ptp(np.asarray(picture.convert("L"))) > 60 for picture in pictures)
     assert f"{fitted.distance.mean_percent:.2f} %" in page
-    assert page.count(f"{fitted.distance.largest_percent:.1f} %") == 1
+    assert page.count(f"{fitted.distance.record.largest_percent:.1f} %") == 1
 
 
 @pytest.fixture
