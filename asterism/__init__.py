@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     from asterism.fitting.sensitivity import sensitivity as sensitivity
     from asterism.fitting.settings import FitSettings as FitSettings
     from asterism.fitting.solve_for import solve_for as solve_for
-    from asterism.fitting.solve_needle import solve_for_point as solve_for_point
+    from asterism.fitting.solve_for import solve_for_point as solve_for_point
     from asterism.fitting.target import TargetSurface as TargetSurface
     from asterism.homogenize.law.law import Law as Law
     from asterism.homogenize.law.law_file import load_law as load_law
@@ -100,7 +100,7 @@ _HOMES = {
     "show_law": "asterism.laws.law_text:show_law",
     "simulate": "asterism.verification.both_starts:simulate",
     "solve_for": "asterism.fitting.solve_for:solve_for",
-    "solve_for_point": "asterism.fitting.solve_needle:solve_for_point",
+    "solve_for_point": "asterism.fitting.solve_for:solve_for_point",
     "spread": "asterism.exact.spread:spread",
     "sweep": "asterism.sweeps.run:sweep_design",
     "verify": "asterism.verification.run:verify",
