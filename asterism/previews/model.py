@@ -57,7 +57,18 @@ PREVIEW_MODEL = PreviewModel()
 
 
 def without(part: str) -> PreviewModel:
-    """The model with one part turned off; KeyError if `PARTS` has no part of that name."""
+    """The model with one part turned off.
+
+    Raises
+    ------
+    KeyError
+        `PARTS` has no part of that name.
+
+    Examples
+    --------
+    >>> "roll axis" in without("roll axis").parts
+    False
+    """
     if part not in PARTS:
         raise KeyError(part)
     return replace(PREVIEW_MODEL, parts=tuple(each for each in PARTS if each != part))

@@ -106,7 +106,14 @@ def spot(pin: Floats, edge_mm: float, points: Floats) -> Floats:
 
 
 def amounts_of(edges: Floats, angles_deg: Floats, edge_mm: float) -> Floats:
-    """(n,) amplitudes A at pins with edges L (n,) mm of the shell and angles alpha (n,); negative if h is long."""
+    """(n,) amplitudes A at pins; negative if h is long.
+
+    Parameters
+    ----------
+    edges : (n,) mm, edge lengths L of the shell at the pins.
+    angles_deg : (n,) angles alpha of the sheet at the pins.
+    edge_mm : edge length h of the exact model.
+    """
     lack, gain = (np.interp(angles_deg, ANGLES_DEG, of) for of in (LACK, GAIN))
     return np.maximum((np.log(edges / edge_mm) - lack) / gain, MIN_SOFTNESS)
 

@@ -237,9 +237,14 @@ class Preview:
         return [form for form, _ in other_forms(self.state)]
 
     def at(self, points: Floats, x: Floats | None = None) -> Places:
-        """The positions of printed points (n, 2) mm in space, for x of a `Stage` or for the state that is shown.
+        """The positions of printed points in space.
 
         They are in the pose of the shell, whereas `shape` turns free sheets upright.
+
+        Parameters
+        ----------
+        points : (n, 2) mm, or a single point.
+        x : degrees of freedom of the shell, from a `Stage`; those of the equilibrium by default.
 
         Raises
         ------
@@ -249,9 +254,12 @@ class Preview:
         return PointLens(self, points)(x)
 
     def lens(self, points: Floats) -> PointLens:
-        """A function that computes the positions of fixed printed points, like `at`, but faster; raises its errors.
+        """A function that computes the positions of fixed printed points (n, 2) mm, like `at`, but faster.
 
-        After an edit that keeps the print, only what depends on the changed stars is computed again.
+        Raises
+        ------
+        ValueError
+            `points` has another form, or a point is outside of the sheet.
 
         Examples
         --------
@@ -271,12 +279,18 @@ class Preview:
 
         The edit begins at the first request for a stage; `update` requests all stages. If you stop after the first
         stage, the preview shows the linear response, and its summary states that this is not an equilibrium. The next
-        edit then starts from the last equilibrium again.
+        edit then starts from the last equilibrium again. If the edit fails or is interrupted before its first stage,
+        the preview keeps its state.
 
         Parameters
         ----------
+        design : the new design.
         keep_form : a sheet of nearly the same size whose outline, lattice or supported points change also starts from
             the old shape, which takes less time.
+
+        Yields
+        ------
+        The stages.
 
         Raises
         ------
@@ -475,13 +489,26 @@ def preview(
 ) -> Shape:
     """Compute the homogenised shape of a design: with the bumps of its stars, or with the rods of its motif.
 
-    Parameters are those of `Preview`, which keeps its state for edits, and so are the errors.
+    Parameters
+    ----------
+    design : from `load_design`, `new` or `Design.from_dict`.
+    law : from `homogenize.law.law_file.load_law`; by default the one that the design names, or else that of the paper's
+        material where it covers the stars, or else one of cells that are solved now and kept.
+    side : side of the edges: `down` (plastic outside), `up`, or `auto`, which follows from the stars.
+    say : called with a line of text at the beginning of each stage.
+    model : parts and constants of the preview model.
+    plan : layout of the design; computed by default.
 
     Returns
     -------
     The shape. Its `summary` holds the certificate (`is_minimum`), the stars outside the range of the law, the estimated
     error, and the whole design. The principal axes of a free sheet lie along x, y and z. `point_fields["bump_mm"]`
     holds the vectors from the smooth surface to the shape.
+
+    Raises
+    ------
+    DesignError, MeshError, LawError
+        As for `Preview`, which keeps its state for edits.
     """
     begin = time.perf_counter()
     shape = Preview(design, law, side, say=say, model=model, plan=plan).shape()
@@ -489,7 +516,19 @@ def preview(
 
 
 class PointLens:
-    """Fixed printed points (n, 2) mm on the sheet of a preview, followed over edits; `Preview.lens` makes one."""
+    """Fixed printed points on the sheet of a preview, followed over edits; `Preview.lens` makes one.
+
+    After an edit that keeps the print, only what depends on the changed stars is computed again.
+
+    Attributes
+    ----------
+    points : (n, 2) mm, on the sheet.
+
+    Raises
+    ------
+    ValueError
+        These are no points, or one is off the sheet.
+    """
 
     def __init__(self, preview: Preview, points: Floats) -> None:
         self._preview, self._lens = preview, preview.sheet.lens(points)
