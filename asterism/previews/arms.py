@@ -93,7 +93,7 @@ def arm_shares(arms: Arms, points: Floats, before: ArmShares | None = None) -> A
     """
     beside, beyond = (b * arms.layout.spacing_mm for b in (FABRIC_BESIDE_ARM, FABRIC_BEYOND_TIP))
     reach, pins = 0.5 * float(arms.length.max()) + DECAY_LENGTHS * beyond, arms.layout.pin_points
-    known, columns = np.zeros(len(arms.length), dtype=bool), []
+    known = np.zeros(len(arms.length), dtype=bool)
     if before is None:
         tree, to_pin = cKDTree(points), np.ones(len(points))
         if len(pins):
@@ -102,16 +102,20 @@ def arm_shares(arms: Arms, points: Floats, before: ArmShares | None = None) -> A
         tree, to_pin = before.points, before.to_pin
         if len(before.arms.length) == len(arms.length) and before.reach == reach:
             known = (before.arms.centre == arms.centre).all(axis=1) & (before.arms.tip == arms.tip).all(axis=1)
-            columns = [before.along.multiply(known).tocoo()]
     new = np.flatnonzero(~known)
     middle = arms.centre[new] + 0.5 * arms.length[new, None] * arms.direction[new]
     pairs = cKDTree(middle).sparse_distance_matrix(tree, reach, output_type="ndarray")
-    arm, point = new[pairs["i"]], pairs["j"]
-    offset, direction, length = points[point] - arms.centre[arm], arms.direction[arm], arms.length[arm]
+    arm, point = new[pairs["i"]], np.ascontiguousarray(pairs["j"])
+    offset, direction = points[point] - arms.centre[arm], arms.direction[arm]
     along = np.einsum("pc,pc->p", offset, direction)
-    aside = offset[:, 1] * direction[:, 0] - offset[:, 0] * direction[:, 1]
-    part, ahead = np.clip(along / length, 0.0, 1.0), np.maximum(along - length, 0.0)
+    follows = along > 0.0  # the others are behind the centre of the star
+    aside = (offset[:, 1] * direction[:, 0] - offset[:, 0] * direction[:, 1])[follows]
+    arm, point, along = arm[follows], point[follows], along[follows]
+    length = arms.length[arm]
+    part, ahead = np.minimum(along / length, 1.0), np.maximum(along - length, 0.0)
     near = np.exp(CREASE_ROUNDING - np.sqrt(CREASE_ROUNDING**2 + (aside / beside) ** 2 + (ahead / beyond) ** 2))
-    near *= np.maximum(1.0 - np.hypot(aside, ahead) / arms.room[arm], 0.0) * to_pin[point]
-    columns.append(sp.coo_matrix((part * near, (point, arm)), shape=(len(points), len(known))))
-    return ArmShares(arms, tree, to_pin, reach, sp.csc_matrix(sum(columns)))
+    near *= np.maximum(1.0 - np.sqrt(aside**2 + ahead**2) / arms.room[arm], 0.0) * to_pin[point]
+    shares = sp.csc_matrix((part * near, (point, arm)), shape=(len(points), len(known)))
+    if before is not None and known.any():
+        shares = shares + before.along.multiply(known)
+    return ArmShares(arms, tree, to_pin, reach, sp.csc_matrix(shares))
