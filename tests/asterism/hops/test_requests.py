@@ -4,6 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import json
+import sys
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -43,9 +46,9 @@ def item(data: Any, kind: str = "System.Double") -> dict[str, Any]:
     return {"type": kind, "data": data}
 
 
-def text(pointer: str, **texts: str) -> str:
-    """A request of a component whose inputs are texts."""
-    trees = [{"ParamName": name, "InnerTree": {"0": [item(json.dumps(text))]}} for name, text in texts.items()]
+def request(pointer: str, **values: Any) -> str:
+    """A request of a component with one value for each input."""
+    trees = [{"ParamName": name, "InnerTree": {"0": [item(json.dumps(value))]}} for name, value in values.items()]
     return json.dumps({"pointer": pointer, "values": trees})
 
 
@@ -108,29 +111,9 @@ MALFORMED: list[tuple[str, int]] = [
     (with_values(outline=[item("[[0, 0, 0], [50, 0, 0], [0, 50, 0]]")]), 400),
     (with_values(outline=[item("[[0, 0, 0], [99, 0, 0], [0, 99, 0], [99, 99, 0], [0, 0, 0]]")]), 400),
     (with_values(outline=[item("[[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 0]]")]), 400),
-    (
-        json.dumps(
-            {"pointer": "fit", "values": [{"ParamName": "target", "InnerTree": {"0": [item(json.dumps(BLOB))]}}]}
-        ),
-        400,
-    ),
-    (
-        json.dumps(
-            {
-                "pointer": "fit",
-                "values": [
-                    {
-                        "ParamName": "target",
-                        "InnerTree": {
-                            "0": [item('{"vertices": [[0, 0, 0], [9, 0, 0], [0, 9, 0]], "faces": [[0, 1, 5]]}')]
-                        },
-                    }
-                ],
-            }
-        ),
-        400,
-    ),
-    *((text("exact", design=design), 400) for design in BAD_DESIGNS),
+    (request("fit", target=BLOB), 400),
+    (request("fit", target={"vertices": [[0, 0, 0], [9, 0, 0], [0, 9, 0]], "faces": [[0, 1, 5]]}), 400),
+    *((request("exact", design=design), 400) for design in BAD_DESIGNS),
 ]
 
 
@@ -289,3 +272,26 @@ def test_what_nobody_waits_for_is_not_computed(tmp_path: Path, monkeypatch: pyte
 
     run_coroutine(application(Work(tmp_path), frozenset({HOST}))(scope, receive, send))
     assert sent[0]["status"] == 400
+
+
+def megabytes_after_requests(folder: Path) -> list[float]:
+    """Memory of this process after every 500 of 2000 requests."""
+    after: list[float] = []
+    with TestClient(application(Work(folder), frozenset({HOST})), base_url=f"http://{HOST}") as client:
+        sheet = Hops(client, f"http://{HOST}/sheet")
+        for number in range(2000):
+            outline = hexagon(1) * (1 + 0.01 * (number // 20 % 10))
+            sheet.solve(outline=outline, lengths=6.0 + 0.01 * (number % 100))
+            if number % 500 == 499:
+                after.append(int(Path("/proc/self/statm").read_text().split()[1]) * 4096 / 1e6)
+    return after
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
+def test_memory_is_bounded_over_2000_requests(tmp_path: Path):
+    # in a process of its own: the scattered heap of earlier tests grows by itself
+    with ProcessPoolExecutor(1, get_context("spawn")) as pool:
+        after = pool.submit(megabytes_after_requests, tmp_path).result()
+    print(f"\nMB after every 500 requests: {', '.join(f'{value:.0f}' for value in after)}")
+    assert after[-1] - after[0] < 40.0

@@ -37,6 +37,15 @@ def test_all_files_and_what_they_say(file: Path, tmp_path: Path, as_it_is: Run) 
     assert (tmp_path / "again" / "stars.stl").read_bytes() == (folder / "stars.stl").read_bytes()
 
 
+def test_a_smaller_check_square_is_told_everywhere(file: Path, tmp_path: Path, run: Run) -> None:
+    save_design(design(fabric={"stretch": 2.8}, border={"rings": 0}, pins=[]), file)
+    result = run("export", "d.toml", "-o", "out")
+    assert "60 mm before stretching, 168.0 x 168.0 mm after" in result.out
+    said = json.loads((tmp_path / "out" / "export.json").read_text())["check_square_mm"]
+    assert said == {"before": [60.0, 60.0], "after": pytest.approx([168.0, 168.0])}
+    assert "Draw a square of 60 mm" in (tmp_path / "out" / "instructions.txt").read_text()
+
+
 def test_the_design_is_not_written_over(file: Path, tmp_path: Path, run: Run) -> None:
     rounded = file.rename(tmp_path / "rounded.toml")
     before = rounded.read_bytes()

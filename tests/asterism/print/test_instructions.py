@@ -43,6 +43,47 @@ def check_texts(page: Drawing) -> None:
             assert page.low[1] < item.at[1] < page.high[1] - item.size_mm, item.text
 
 
+def test_numbers_of_the_design() -> None:
+    one = job(fabric_mm=0.5)
+    text = said(one)
+    for number in (
+        "135.0 mm wide and 130.0 mm deep",
+        "z offset 4.50 mm",
+        "lines 0.4 mm wide",
+        "[0, 0]",
+        "x = 111.50, y = 111.5",
+    ):
+        assert number in text
+    assert "G1 Z14.50" in text and "Skirt" in text and f"{len(one.needles)} needles" in text
+
+
+def test_how_many_lines_lie_side_by_side() -> None:
+    """Which is to be seen in the slicer's preview."""
+    assert "the first one too: 3 lines across 1.2 mm, without a gap" in said(job())
+    narrow = {"at_mm": [0.0, 0.0], "length_mm": 6.0, "width_mm": 0.4}
+    two = job(design(stars={"length_mm": 8.0, "override": [narrow]}))
+    assert "1 line across 0.4 mm, 3 lines across 1.2 mm, without" in said(two)
+    widths = {"profile": "radial", "from": 0.4, "to": 2.4, "over_mm": 30.0}
+    tapered = job(design(stars={"length_mm": 8.0, "width_mm": widths, "vary_along_arms": True}))
+    assert "1 line across 0.4 mm to 6 lines across 2.4 mm, without" in said(tapered)
+
+
+def test_a_height_with_released_fabric_is_told_wherever_it_stands() -> None:
+    for one, told in ((job(), True), (job(fabric_mm=0.5), False)):
+        remark, *_ = one.start_code.splitlines()
+        assert (remark.startswith(";") and "0.80 mm of fabric, released" in remark) == told
+        assert one.start_code.endswith(one.printer.start_snippet(one.z_offset_mm))
+        column = " ".join(item.text for item in sheets.layout_sheet(one).items if isinstance(item, Label))
+        assert f"{one.z_offset_mm:.2f} mm above the bed" in column
+        assert ("with the released fabric" in column) == told
+        assert ("thinner when stretched" in said(one)) == told
+
+
+def test_printers_that_home_onto_the_bed_are_warned_of() -> None:
+    assert "BEFORE the frame is on it" in said(job(printer={"homes": "onto"}))
+    assert "BEFORE" not in said(job(printer={"homes": "away"}))
+
+
 @pytest.mark.parametrize("name", ["small", "W" * 100])
 def test_texts_stay_on_their_pages(name: str) -> None:
     one = job(design(name=name.strip()))

@@ -98,6 +98,12 @@ def test_an_outline_among_other_lines(folder: Path, cli: Cli) -> None:
     assert numbers["lines"] == 2 and numbers["units"] == "its own"
 
 
+def test_a_drawing_of_another_size(folder: Path, cli: Cli) -> None:
+    draw(folder / "o.svg", 'width="12mm" height="10mm"')
+    refused = cli(["compare", str(folder / "shape.vtu"), str(folder / "o.svg")])
+    assert refused.status == 2 and "in centimetres; correct its width and height" in refused.line
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("scale", "poor"), [([1.0, 1.0], False), ([1.3, 0.7], True)])
 def test_an_outline_that_fits_poorly(scale: list[float], poor: bool, folder: Path, cli: Cli) -> None:
@@ -109,6 +115,15 @@ def test_an_outline_that_fits_poorly(scale: list[float], poor: bool, folder: Pat
     assert numbers["diameter_mm"] == pytest.approx(diameter(SHAPE.positions))
     assert numbers["rms_percent"] == pytest.approx(100 * numbers["rms_mm"] / numbers["diameter_mm"])
     assert (numbers["rms_percent"] > 1.5) == poor
+
+
+@pytest.mark.slow
+def test_a_mirrored_scan_is_not_taken_for_the_shape(folder: Path, cli: Cli) -> None:
+    """Most of a shallow sheet's mirror image lies on it; what does not is left out, and told."""
+    mirrored = SHAPE.positions * [1.0, 1.0, -1.0]
+    trimesh.Trimesh(mirrored, SHAPE.triangles, process=False).export(folder / "scan.ply")
+    done = cli(["compare", str(folder / "shape.vtu"), str(folder / "scan.ply")])
+    assert done.status == 0 and ("perhaps another shape" in done.out or "a poor fit" in done.out)
 
 
 @pytest.mark.parametrize(

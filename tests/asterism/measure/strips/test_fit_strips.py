@@ -84,6 +84,19 @@ def test_the_other_convention_and_a_table(strips: Path, cli: Cli) -> None:
     assert plastic.kappa_bar_per_mm.thickness_mm == (0.3, 0.35, 0.4, 0.45)  # type: ignore[union-attr]
 
 
+def test_outliers_are_named(tmp_path: Path, cli: Cli) -> None:
+    file = table(synthetic_readings(0), tmp_path / "strips.csv")
+    rows = file.read_text().splitlines()
+    rows[7] = "7,0.3,60,1.35,0.8,,44.0,18.0,59.6,1.6"
+    rows[9] = "9,0.3,60,1.35,0.8,,44.0,5.0,59.6,1.6"
+    file.write_text("\n".join(rows))
+    done = cli(["strips", "fit", str(file)])
+    assert done.status == 0 and "80, 79 used" in done.out
+    assert "strip 7 with fabric (row 8): 0.04" in done.err and "it is used" in done.err
+    # a box that is not that of the strip
+    assert "left out: strip 9 with fabric (row 10): its box holds an arc of 45.5 mm" in done.out
+
+
 def test_own_files_are_left_alone(strips: Path, cli: Cli) -> None:
     material = strips.with_name("material.toml")
     words = ["strips", "fit", str(strips)]

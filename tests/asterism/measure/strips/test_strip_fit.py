@@ -134,6 +134,14 @@ def test_directions_that_do_not_determine_a_material() -> None:
         fit_directions([r for r in readings if not r.peeled], "paper", "constant", flat_height_mm=0.5)
 
 
+@settings(max_examples=3)
+@given(order=st.permutations(range(40)))
+def test_the_order_of_the_strips_does_not_matter(order: list[int]) -> None:
+    strips = synthetic_readings(5, count=5)
+    one, other = fit_readings(strips), fit_readings([strips[i] for i in order])
+    assert other.ratio["paper"] == pytest.approx(one.ratio["paper"], rel=1e-9)
+
+
 def test_outliers_are_named_and_used() -> None:
     strips = synthetic_readings(2)
     wrong = {6: 0.045, 17: 0.009, 40: 0.035}
@@ -144,6 +152,12 @@ def test_outliers_are_named_and_used() -> None:
     assert len(fit.used) == 80 and not fit.left_out and inside(fit)
     width = [high - low for _, low, high in (fit_readings(strips).ratio["paper"], fit.ratio["paper"])]
     assert width[1] > 2 * width[0]
+
+
+def test_one_wrong_reading_of_few_is_named() -> None:
+    strips = synthetic_readings(3, count=2)
+    strips[0] = replace(strips[0], curvature_per_mm=0.06)
+    assert strips[0] in [one for one, _ in fit_readings(strips).outliers]
 
 
 def test_a_wrong_thickness_is_named_and_widens_the_interval() -> None:
