@@ -24,6 +24,13 @@ export function createActions(studio) {
     if (connection.send(what, fields)) store.set({ state: { ...store.get("state"), searching: what } });
   }
 
+  /** Has the server begin a job; the page says so before the server does. */
+  function begin(job, fields) {
+    const jobs = { ...store.get("jobs"), [job]: { stage: "starts", done: 0, of: 0, seconds: 0 } };
+    store.set({ jobs, results: { ...store.get("results"), [job]: null } });
+    connection.send(job, fields);
+  }
+
   const actions = {
     // a hole is chosen by its number, which another state of the design may give to another
     undo: () => (store.set({ hole: null }), connection.send("undo")),
@@ -33,10 +40,10 @@ export function createActions(studio) {
     /** After the server has refused to write over a file: write all the same, or show what the file holds. */
     keepMine: ({ seq }) => send("save", { ...asked.get(seq), over: true }),
     takeFile: () => connection.send("reread"),
-    report() {
-      store.set({ jobs: { ...store.get("jobs"), report: { stage: "starts", done: 0, of: 0, seconds: 0 } } });
-      connection.send("report");
-    },
+    report: () => begin("report"),
+    spread: () => begin("spread"),
+    animate: () => begin("animate"),
+    writeFiles: (fields) => begin("export", fields),
     cancel: () => connection.send("cancel"),
     flip: () => search("flip"),
     showForm: (index) => search("form", { index }),
@@ -59,16 +66,11 @@ export function createActions(studio) {
       connection.send("new");
     },
     verify() {
-      const jobs = { ...store.get("jobs"), verify: { stage: "starts", done: 0, of: 0, seconds: 0 } };
-      store.set({ jobs, results: { ...store.get("results"), verify: null }, page: "shape" });
-      connection.send("verify");
+      store.set({ page: "shape" });
+      begin("verify");
     },
     /** Fits outline, stars and supports to the target; `hold` is "auto", "border" or "nothing". */
-    fitToTarget(hold) {
-      const jobs = { ...store.get("jobs"), fit: { stage: "starts", done: 0, of: 0, seconds: 0 } };
-      store.set({ jobs, results: { ...store.get("results"), fit: null } });
-      connection.send("fit", { hold });
-    },
+    fitToTarget: (hold) => begin("fit", { hold }),
     choose(tool) {
       store.set({ tool, page: "tool", hover: null });
     },

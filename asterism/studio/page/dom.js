@@ -18,7 +18,7 @@ export function h(tag, props = {}, ...children) {
   return element;
 }
 
-export function append(element, children) {
+function append(element, children) {
   for (const child of children.flat(Infinity)) {
     if (child !== null && child !== undefined && child !== false) element.append(child);
   }
@@ -60,8 +60,15 @@ export function button({ text, icon: name, label, keys, kind = "", testid, oncli
   );
 }
 
+/** Options of a list: texts, or what an option has besides its value, by value; or a list of options. */
+const listed = (options) =>
+  Array.isArray(options)
+    ? options
+    : Object.entries(options).map(([value, one]) => (typeof one === "string" ? { value, text: one } : { ...one, value }));
+
 /** One of several values, as a row of buttons with arrow keys. Returns {element, set}. */
-export function segments({ label, options, value, onchange, testid }) {
+export function segments({ label, options: choices, value, onchange, testid }) {
+  const options = listed(choices);
   const buttons = options.map((option) =>
     h(
       "button",
@@ -107,7 +114,7 @@ export function choice({ label, options, value, onchange, testid }) {
   const element = h(
     "select",
     { "aria-label": label, title: label, testid, onchange: () => onchange(element.value) },
-    options.map((option) => h("option", { value: option.value, disabled: option.disabled }, option.text)),
+    listed(options).map((option) => h("option", { value: option.value, disabled: option.disabled }, option.text)),
   );
   element.value = value;
   return { element, set: (chosen) => (element.value = chosen) };
@@ -115,13 +122,57 @@ export function choice({ label, options, value, onchange, testid }) {
 
 /** A check box with its text. Returns {element, set}. */
 export function check({ text, value, onchange, testid, disabled, title }) {
-  const box = h("input", { type: "checkbox", checked: value, disabled, testid, onchange: () => onchange(box.checked) });
+  const box = h("input", { type: "checkbox", checked: value, disabled, testid, onchange: () => onchange?.(box.checked) });
   return { element: h("label", { class: "check", title }, box, text), set: (on) => (box.checked = on), box };
 }
 
 export function section(title, ...extra) {
   return h("h2", { class: "section" }, h("span", {}, title), extra);
 }
+
+/** The title of a section of so many things. */
+export const counted = (title, count, ...extra) => section(title, h("span", { class: "count" }, String(count)), ...extra);
+
+/** A control beside its name. */
+export const labelled = (name, { element }) => h("div", { class: "field" }, h("label", {}, name), element);
+
+/** Names with their values, [name, value] each; the rows alone for a list that stays. */
+export const figureRows = (rows) => rows.map(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]);
+export const figures = (rows, testid) => h("dl", { class: "figures", testid }, figureRows(rows));
+
+/** A table under its heads; `body` is its tbody or the rows of one. */
+export const table = (props, heads, body) =>
+  h(
+    "table",
+    props,
+    h("thead", {}, h("tr", {}, heads.map((text) => h("th", { scope: "col" }, text)))),
+    Array.isArray(body) ? h("tbody", {}, body) : body,
+  );
+
+/** An item of a list that does something, or is chosen. */
+export function listItem({ icon: name, text, count, kind = "", isCurrent, testid, onclick }) {
+  const current = isCurrent === undefined ? undefined : String(isCurrent);
+  return h(
+    "li",
+    {},
+    h(
+      "button",
+      { type: "button", class: `item ${kind}`, "aria-current": current, testid, onclick },
+      icon(name),
+      h("span", { class: "grow" }, text),
+      count === undefined ? null : h("span", { class: "count" }, count),
+    ),
+  );
+}
+
+/** A button that opens a file of the server's folder. */
+export const fileLink = (name, picture, text) =>
+  h(
+    "a",
+    { class: "button", href: `file/${encodeURI(name)}`, target: "_blank", rel: "noopener" },
+    icon(picture),
+    text,
+  );
 
 /** A list of warnings; null if there are none. */
 export function warningList(texts) {

@@ -42,23 +42,18 @@ export class Edits {
   sizes(quantity, values) {
     const { key: field } = QUANTITIES[quantity];
     for (const [key, value] of values) {
-      const entry = { ...this.#local.sizes.get(key), [field]: value };
-      this.#local.sizes.set(key, entry);
+      this.#local.sizes.set(key, { ...this.#local.sizes.get(key), [field]: value });
       this.#local.reset.delete(key);
     }
-    const pending = this.#waiting.get(`sizes ${quantity}`)?.values ?? new Map();
-    for (const [key, value] of values) pending.set(key, value);
-    this.#later(`sizes ${quantity}`, { kind: "sizes", quantity, values: pending });
-    this.#draw();
+    this.#gather("sizes", values, quantity);
   }
 
   /** The brush over rods: {size, mode, radius, strength, value, low, high}, put down at the images of one place. Rods of the names `kept` keep their sizes. */
   brush(brush, images, kept) {
     this.#local.rods = brushed(this.store.get("sheet").rods, brush, images, kept);
     const name = `brush ${brush.value}`; // Alt changes its sign
-    const places = this.#waiting.get(name)?.places ?? [];
-    this.#later(name, { kind: "brush", brush, places: [...places, images] });
-    this.#draw();
+    const places = this.#waiting.get(name)?.fields.places ?? [];
+    this.#later("brush", { ...brush, places: [...places, images] }, name);
   }
 
   remove(keys) {
@@ -76,38 +71,27 @@ export class Edits {
 
   /** Weights of places in a fit: Map(key -> number, or null for none). */
   weigh(values) {
-    const pending = this.#waiting.get("weigh")?.values ?? new Map();
-    for (const [key, value] of values) {
-      this.#local.weights.set(key, value);
-      pending.set(key, value);
-    }
-    this.#later("weigh", { kind: "weigh", values: pending });
-    this.#draw();
+    for (const [key, value] of values) this.#local.weights.set(key, value);
+    this.#gather("weigh", values, "weights");
   }
 
   /** Changes of the design file by dotted key; `local` is what to draw until the server answers. */
   design(changes, local = {}) {
     const { border } = changes;
     Object.assign(this.#local, border ? { border } : {}, local);
-    const pending = this.#waiting.get("edit")?.changes ?? {};
-    this.#later("edit", { kind: "edit", changes: { ...pending, ...changes } });
-    this.#draw();
+    this.#later("edit", { changes: { ...this.#waiting.get("edit")?.fields.changes, ...changes } });
   }
 
   /** A drawing that was sent before is laid on the sheet; the server says what comes of it. */
   drawing(fields) {
-    this.#later("drawing", { kind: "drawing", fields });
+    this.#later("drawing", fields);
   }
 
   /** Sizes that the server will find by itself from the design's profile: drawn, not sent. Painted stars keep theirs. */
   preview(quantity, values) {
     const { key: field } = QUANTITIES[quantity];
-    const painted = new Set(
-      this.store
-        .get("document")
-        .plan.sites.filter((entry) => entry.painted)
-        .map((entry) => entry.site.join()),
-    );
+    const { sites } = this.store.get("document").plan;
+    const painted = new Set(sites.filter((entry) => entry.painted).map((entry) => entry.site.join()));
     for (const [key, value] of values) {
       if (!painted.has(key)) this.#local.sizes.set(key, { ...this.#local.sizes.get(key), [field]: value });
     }
@@ -132,7 +116,7 @@ export class Edits {
   cancel() {
     if (!this.#isOpen) return;
     this.#waiting.clear();
-    this.#waiting.set("take back", { kind: "take back" });
+    this.#waiting.set("take back", { kind: "take back", fields: {} });
     this.#local = emptyLocal();
     this.end();
     this.#draw();
@@ -165,18 +149,22 @@ export class Edits {
   }
 
   #mark(kind, keys, change) {
-    const pending = this.#waiting.get(kind)?.keys ?? new Set();
-    for (const key of keys) {
-      change(key);
-      pending.add(key);
-    }
-    this.#later(kind, { kind, keys: pending });
-    this.#draw();
+    keys.forEach(change);
+    this.#gather(kind, new Map(keys.map((key) => [key, null])));
   }
 
-  #later(name, message) {
-    this.#waiting.set(name, message);
+  /** Values of stars, Map(key -> value), with those that wait; `name` is that of the values in the message. */
+  #gather(kind, values, name = "") {
+    const id = `${kind} ${name}`;
+    const all = new Map([...(this.#waiting.get(id)?.values ?? []), ...values]);
+    const sites = [...all.keys()].map((key) => key.split(",").map(Number));
+    this.#later(kind, { sites, ...(name && { [name]: [...all.values()] }) }, id, all);
+  }
+
+  #later(kind, fields, id = kind, values = null) {
+    this.#waiting.set(id, { kind, fields, values });
     if (!this.#timer) this.#timer = setTimeout(() => this.#flush(false), INTERVAL_MS);
+    this.#draw();
   }
 
   #flush(isEnd) {
@@ -184,23 +172,11 @@ export class Edits {
     this.#timer = 0;
     let messages = [...this.#waiting.values()];
     this.#waiting.clear();
-    if (isEnd && !messages.length) messages = [{ kind: "edit", changes: {} }];
-    messages.forEach((message, k) => this.#send(message, isEnd && k === messages.length - 1));
-  }
-
-  #send(message, end) {
-    const fields = { gesture: this.#gesture, end };
-    if (message.kind === "drawing") Object.assign(fields, message.fields);
-    else if (message.kind === "brush") Object.assign(fields, message.brush, { places: message.places });
-    else if (message.kind === "edit") fields.changes = message.changes;
-    else if (message.kind === "sizes") {
-      fields.sites = [...message.values.keys()].map(siteOf);
-      fields[message.quantity] = [...message.values.values()];
-    } else if (message.kind === "weigh") {
-      fields.sites = [...message.values.keys()].map(siteOf);
-      fields.weights = [...message.values.values()];
-    } else if (message.keys) fields.sites = [...message.keys].map(siteOf);
-    if (this.#kept.length || !this.connection.send(message.kind, fields)) this.#kept.push([message.kind, fields]);
+    if (isEnd && !messages.length) messages = [{ kind: "edit", fields: { changes: {} } }];
+    messages.forEach(({ kind, fields }, k) => {
+      const message = [kind, { gesture: this.#gesture, end: isEnd && k === messages.length - 1, ...fields }];
+      if (this.#kept.length || !this.connection.send(...message)) this.#kept.push(message);
+    });
   }
 
   #draw() {
@@ -208,5 +184,3 @@ export class Edits {
     if (document) this.store.set({ sheet: new Sheet(document, this.#local) });
   }
 }
-
-const siteOf = (key) => key.split(",").map(Number);

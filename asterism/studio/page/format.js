@@ -1,19 +1,13 @@
 // Numbers as people read them: always with a unit, always the same number of digits.
 
 export const QUANTITIES = {
-  length: { key: "length_mm", name: "Length", column: 0, step: 0.5, digits: 1, usual: 20, more: "longer", less: "shorter" },
-  thickness: {
-    key: "thickness_mm",
-    name: "Thickness",
-    column: 1,
-    step: 0.05,
-    digits: 2,
-    usual: 1.2,
-    more: "thicker",
-    less: "thinner",
-  },
-  width: { key: "width_mm", name: "Width", column: 2, step: 0.1, digits: 2, usual: 4, more: "wider", less: "narrower" },
+  length: { key: "length_mm", name: "Length", column: 0, step: 0.5, digits: 1, usual: 20 },
+  thickness: { key: "thickness_mm", name: "Thickness", column: 1, step: 0.05, digits: 2, usual: 1.2 },
+  width: { key: "width_mm", name: "Width", column: 2, step: 0.1, digits: 2, usual: 4 },
 };
+
+/** Their names, as options of a list. */
+export const QUANTITY_NAMES = Object.fromEntries(Object.entries(QUANTITIES).map(([value, { name }]) => [value, name]));
 
 export function fixed(value, digits = 1) {
   if (value === null || value === undefined || !Number.isFinite(value)) return "–";
@@ -50,10 +44,6 @@ export const capital = (text) => text.charAt(0).toUpperCase() + text.slice(1);
 
 /** A field of the design file without the numbers of its entries: `pins[0].scale` is `pins.scale`. */
 export const plainField = (field) => field.replace(/\[\d+\]/g, "");
-
-export function round(value, step) {
-  return Number((Math.round(value / step) * step).toFixed(6));
-}
 
 const UNITS_MM = { mm: 1, cm: 10, m: 1000, in: 25.4 };
 

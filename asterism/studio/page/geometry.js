@@ -2,7 +2,6 @@
 
 export const sum = (a, b) => [a[0] + b[0], a[1] + b[1]];
 export const difference = (a, b) => [a[0] - b[0], a[1] - b[1]];
-export const times = (a, factor) => [a[0] * factor, a[1] * factor];
 export const distance = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1]);
 export const between = (a, b, share) => [a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])];
 export const clamp = (value, low, high) => Math.min(Math.max(value, low), high);

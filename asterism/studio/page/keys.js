@@ -47,33 +47,15 @@ const HELP = {
   ],
 };
 
+const SWITCHES = { s: "snap", p: "printArea", d: "paintOnSheet" };
+
 export function openHelp() {
+  const row = ([keys, does]) => {
+    const names = keys.split(", ").map((one) => h("kbd", {}, one));
+    return h("tr", {}, h("td", {}, names), h("td", {}, does));
+  };
   const block = ([title, rows]) =>
-    h(
-      "div",
-      {},
-      section(title),
-      h(
-        "table",
-        { class: "small keys" },
-        h(
-          "tbody",
-          {},
-          rows.map(([keys, does]) =>
-            h(
-              "tr",
-              {},
-              h(
-                "td",
-                {},
-                keys.split(", ").map((one) => h("kbd", {}, one)),
-              ),
-              h("td", {}, does),
-            ),
-          ),
-        ),
-      ),
-    );
+    h("div", {}, section(title), h("table", { class: "small keys" }, h("tbody", {}, rows.map(row))));
   dialog("Keys", h("div", { class: "help-columns" }, Object.entries(HELP).map(block)), { testid: "help-dialog" });
 }
 
@@ -121,16 +103,15 @@ export function listenToKeys({ store, actions, plan, view, edits, tools }) {
   }
 
   function anywhere(event) {
-    const tool = Object.keys(tools).find((name) => tools[name].keys === event.key.toUpperCase());
+    const key = event.key.toLowerCase();
+    const tool = Object.keys(tools).find((name) => tools[name].keys.toLowerCase() === key);
     if (tool) actions.choose(tool);
     else if (event.key === "?") openHelp();
-    else if (event.key.toLowerCase() === "t") actions.openTable();
-    else if (event.key.toLowerCase() === "i") actions.chooseDrawing();
-    else if (event.key === "[" || event.key === "]") brush().grow(event.key === "]" ? 1 : -1);
-    else if (event.key.toLowerCase() === "s") store.set({ snap: !store.get("snap") });
-    else if (event.key.toLowerCase() === "p") store.set({ printArea: !store.get("printArea") });
-    else if (event.key.toLowerCase() === "d") store.set({ paintOnSheet: !store.get("paintOnSheet") });
-    else if (event.key.toLowerCase() === "f") plan.fit();
+    else if (key === "t") actions.openTable();
+    else if (key === "i") actions.chooseDrawing();
+    else if (key === "[" || key === "]") brush().grow(key === "]" ? 1 : -1);
+    else if (key in SWITCHES) store.set({ [SWITCHES[key]]: !store.get(SWITCHES[key]) });
+    else if (key === "f") plan.fit();
     else if (event.key === "Escape") actions.escape();
     else return false;
     return true;

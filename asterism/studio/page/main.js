@@ -10,12 +10,13 @@ import { listen } from "./messages.js";
 import { buildBadge } from "./panels/badge.js";
 import { buildNames, buildPlanBar, buildViewBar, buildViewNote } from "./panels/bars.js";
 import { brushPanel } from "./panels/brush.js";
-import { gradientPanel, rulerPanel } from "./panels/gradient.js";
+import { gradientPanel } from "./panels/gradient.js";
 import { buildInspector } from "./panels/inspector.js";
 import { materialPanel } from "./panels/material.js";
 import { needlesPanel } from "./panels/needles.js";
 import { outlinePanel } from "./panels/outline.js";
 import { pictureTitle } from "./panels/picture.js";
+import { rulerPanel } from "./panels/ruler.js";
 import { selectionPanel } from "./panels/selection.js";
 import { shapePanel } from "./panels/shape.js";
 import { buildStart } from "./panels/start.js";
@@ -51,14 +52,15 @@ studio.connection = new Connection({
 });
 studio.edits = new Edits(store, studio.connection);
 studio.plan = new PlanCanvas($("plan-canvas"), store);
+const needsStars = true;
 studio.tools = {
-  select: { title: "Select", icon: "select", keys: "V", tool: new SelectTool(studio), needsStars: true },
-  brush: { title: "Brush", icon: "brush", keys: "B", tool: new BrushTool(studio) },
-  gradient: { title: "Sizes", icon: "gradient", keys: "G", tool: new GradientTool(studio) },
-  outline: { title: "Outline", icon: "outline", keys: "O", tool: new OutlineTool(studio) },
-  needles: { title: "Needles", icon: "needles", keys: "N", tool: new NeedleTool(studio) },
-  weight: { title: "Weight", icon: "weight", keys: "W", tool: new WeightTool(studio), needsStars: true },
-  ruler: { title: "Ruler", icon: "ruler", keys: "R", tool: new RulerTool(studio) },
+  select: { title: "Select", keys: "V", tool: new SelectTool(studio), panel: selectionPanel, needsStars },
+  brush: { title: "Brush", keys: "B", tool: new BrushTool(studio), panel: brushPanel },
+  gradient: { title: "Sizes", keys: "G", tool: new GradientTool(studio), panel: gradientPanel },
+  outline: { title: "Outline", keys: "O", tool: new OutlineTool(studio), panel: outlinePanel },
+  needles: { title: "Needles", keys: "N", tool: new NeedleTool(studio), panel: needlesPanel },
+  weight: { title: "Weight", keys: "W", tool: new WeightTool(studio), panel: weightPanel, needsStars },
+  ruler: { title: "Ruler", keys: "R", tool: new RulerTool(studio), panel: rulerPanel },
 };
 try {
   const onFrame = (header) => studio.connection.acknowledge(header.frame);
@@ -82,23 +84,7 @@ buildNames($("beside-names"), studio);
 buildViewNote($("view-note"), studio);
 buildStart($("start"), studio);
 keepToastsAbove($("plan-note"), $("view-note"), $("badge"));
-buildInspector($("inspector"), {
-  store,
-  toolTitles: Object.fromEntries(Object.entries(studio.tools).map(([name, { title }]) => [name, title])),
-  builders: {
-    tool: {
-      select: (page) => selectionPanel(studio, page),
-      brush: (page) => brushPanel(studio, page),
-      gradient: (page) => gradientPanel(studio, page),
-      outline: (page) => outlinePanel(studio, page),
-      needles: (page) => needlesPanel(studio, page),
-      weight: (page) => weightPanel(studio, page),
-      ruler: (page) => rulerPanel(studio, page),
-    },
-    sheet: (page) => materialPanel(studio, page),
-    shape: (page) => shapePanel(studio, page),
-  },
-});
+buildInspector($("inspector"), studio, { sheet: materialPanel, shape: shapePanel });
 listenToKeys(studio);
 listenToDrops(studio);
 store.on(["showBumps"], ({ showBumps }) => studio.connection.send("bumps", { shown: showBumps }));

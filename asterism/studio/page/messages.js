@@ -75,6 +75,7 @@ export function listen(studio) {
       beside: null,
       results: {},
       history: null,
+      kept: null,
       problem: null,
       selection: new Set(),
       support: null,

@@ -12,6 +12,12 @@ const BRUSH_SPACINGS = 0.65; // no place of a triangular lattice is more than 0.
 /** Radii of brushes, mm. */
 export const RADII = [2, 200];
 
+/** Stretch of the fabric along x and y. */
+export function stretchOf({ fabric }) {
+  const stretch = fabric?.stretch ?? 1.35;
+  return Array.isArray(stretch) ? stretch : [stretch, stretch];
+}
+
 /** The section of the design file that holds the sizes of its pattern. */
 export const patternOf = (design) => (design.stars || !design.rods ? "stars" : "rods");
 
@@ -75,7 +81,7 @@ export class Sheet {
     this.local = local;
     this.outline = local.outline ?? plan.outline_mm;
     this.spacing = plan.spacing_mm;
-    this.limits = readLimits(limits ?? {});
+    this.limits = { ...limits, law: limits.law ?? {} }; // null until the engine has said what the law covers
     this.printer = plan.printer ?? null;
     this.tables = local.pins ?? design.pins ?? [];
     this.pins = (plan.pins ?? []).map((shown, k) =>
@@ -243,17 +249,6 @@ function heldEdges(table, outline) {
 
 export function emptyLocal() {
   return { sizes: new Map(), removed: new Map(), reset: new Set(), weights: new Map(), rods: null, border: null, outline: null, holes: null, pins: null };
-}
-
-function readLimits(limits) {
-  const design = { length_mm: [0, 17.3], thickness_mm: [0.05, 5], width_mm: [0.1, 10], weight: [0.01, 100], ...limits.design };
-  const law = { ...limits.law };
-  for (const { key } of Object.values(QUANTITIES)) {
-    if (limits[key]) law[key] = limits[key];
-    if (limits[`design_${key}`]) design[key] = limits[`design_${key}`];
-  }
-  const { stretches = [], rounding = null } = limits;
-  return { design, law, stretches, rounding };
 }
 
 function armDirections(lattice) {

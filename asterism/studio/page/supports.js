@@ -1,6 +1,7 @@
 // The design file's [[pins]] tables, as the needle tool changes them. Tables do not change; every function makes new ones.
 
 import { round, roundPoint } from "./geometry.js";
+import { stretchOf } from "./sheet.js";
 
 /** Printed points of a table of points or corners, and where they are taken to. */
 export function pointsOf(table, shown) {
@@ -159,8 +160,8 @@ export function usualScale(sheet) {
       return Math.hypot(target[0], target[1]) / Math.hypot(...points[far]) || 1;
     }
   }
-  const stretch = sheet.design.fabric?.stretch ?? 1.35;
-  return 1 / (Array.isArray(stretch) ? Math.sqrt(stretch[0] * stretch[1]) : stretch);
+  const [sx, sy] = stretchOf(sheet.design);
+  return 1 / Math.sqrt(sx * sy);
 }
 
 /** One line that says what a table holds. */

@@ -1,7 +1,8 @@
 // The table of stars: everything of the plan as text and number fields.
 
-import { check, dialog, h } from "./dom.js";
-import { QUANTITIES, fixed, mistakeOf, numberOf } from "./format.js";
+import { check, dialog, h, table } from "./dom.js";
+import { QUANTITIES, fixed } from "./format.js";
+import { numberCell } from "./panels/fields.js";
 import { rebuild } from "./rebuild.js";
 
 const MAX_ROWS = 400;
@@ -19,58 +20,41 @@ export function openTable({ store, edits }) {
 
   function cell(star, quantity) {
     const { key, name, column } = QUANTITIES[quantity];
-    const input = h("input", {
-      class: "text cell",
+    const input = numberCell({
       value: String(Number(star.sizes[column].toFixed(3))),
-      disabled: star.removed,
-      "aria-label": `${name} of star ${star.row} in mm`,
+      label: `${name} of star ${star.row} in mm`,
       testid: `star-${star.row}-${quantity}`,
+      limits: () => store.get("sheet").range(quantity, false),
+      onchange: (value) => edits.once(() => edits.sizes(quantity, new Map([[star.key, value]]))),
     });
+    input.disabled = star.removed;
     input.dataset.field = `stars.${key}`;
-    input.addEventListener("keydown", (event) => event.stopPropagation());
-    input.addEventListener("change", () => {
-      const limits = store.get("sheet").range(quantity, false);
-      const refused = mistakeOf(input.value, { unit: "mm", limits });
-      input.classList.toggle("bad-field", Boolean(refused));
-      input.setAttribute("aria-invalid", String(Boolean(refused)));
-      input.title = refused ?? "";
-      if (!refused) edits.once(() => edits.sizes(quantity, new Map([[star.key, numberOf(input.value, "mm")]])));
-    });
     return h("td", {}, input);
   }
 
   function row(star) {
-    const selected = h("input", {
-      type: "checkbox",
-      checked: store.get("selection").has(star.key),
-      "aria-label": `Select star ${star.row}`,
-      testid: `select-${star.row}`,
-    });
-    selected.addEventListener("change", () => {
+    const tick = (label, testid, checked, onchange) => {
+      const box = h("input", { type: "checkbox", checked, "aria-label": `${label} star ${star.row}`, testid });
+      box.addEventListener("change", () => onchange(box.checked));
+      return h("td", {}, box);
+    };
+    const isSelected = store.get("selection").has(star.key);
+    const select = (isChosen) => {
       const selection = new Set(store.get("selection"));
-      if (selected.checked) selection.add(star.key);
-      else selection.delete(star.key);
+      selection[isChosen ? "add" : "delete"](star.key);
       store.set({ selection });
-    });
-    const printed = h("input", {
-      type: "checkbox",
-      checked: !star.removed,
-      "aria-label": `Print star ${star.row}`,
-      testid: `print-${star.row}`,
-    });
-    printed.addEventListener("change", () =>
-      edits.once(() => (printed.checked ? edits.restore([star.key]) : edits.remove([star.key]))),
-    );
+    };
+    const print = (isPrinted) => edits.once(() => edits[isPrinted ? "restore" : "remove"]([star.key]));
     return h(
       "tr",
-      { "aria-selected": String(store.get("selection").has(star.key)) },
-      h("td", {}, selected),
+      { "aria-selected": String(isSelected) },
+      tick("Select", `select-${star.row}`, isSelected, select),
       h("td", {}, star.row),
       h("td", {}, `${star.site[0]}, ${star.site[1]}`),
       h("td", {}, fixed(star.at[0])),
       h("td", {}, fixed(star.at[1])),
       Object.keys(QUANTITIES).map((quantity) => cell(star, quantity)),
-      h("td", {}, printed),
+      tick("Print", `print-${star.row}`, !star.removed, print),
     );
   }
 
@@ -90,20 +74,7 @@ export function openTable({ store, edits }) {
     "Stars",
     [
       h("div", { class: "row" }, h("span", { class: "grow" }, note), filter.element),
-      h(
-        "table",
-        { class: "small", testid: "star-table" },
-        h(
-          "thead",
-          {},
-          h(
-            "tr",
-            {},
-            heads.map((text) => h("th", { scope: "col" }, text)),
-          ),
-        ),
-        body,
-      ),
+      table({ class: "small", testid: "star-table" }, heads, body),
     ],
     { testid: "table-dialog", onclose: stop },
   );

@@ -8,11 +8,11 @@ export function buildBadge(element, { store, connection, actions }) {
   const shown = segments({
     label: "Shown shape",
     testid: "shown",
-    options: [
-      { value: "shape", text: "Exact" },
-      { value: "preview", text: "Preview" },
-      { value: "distance", text: "Distance", title: "Distance of the exact shape from the preview" },
-    ],
+    options: {
+      shape: "Exact",
+      preview: "Preview",
+      distance: { text: "Distance", title: "Distance of the exact shape from the preview" },
+    },
     value: store.get("shown"),
     onchange: (value) => store.set({ shown: value }),
   });

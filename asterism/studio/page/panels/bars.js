@@ -1,20 +1,13 @@
 // The bars above plan and view.
 
 import { button, choice, h, refresh } from "../dom.js";
-import { QUANTITIES, mm } from "../format.js";
+import { QUANTITY_NAMES, mm } from "../format.js";
 import { VIEWS } from "../view/camera.js";
 import { FIELDS } from "../view/colours.js";
 import { openPicture } from "./picture.js";
 
-function toggle({ store, key, picture, label, keys, testid }) {
-  const one = button({
-    icon: picture,
-    label,
-    keys,
-    testid,
-    pressed: store.get(key),
-    onclick: () => store.set({ [key]: !store.get(key) }),
-  });
+function toggle(store, key, rest) {
+  const one = button({ ...rest, pressed: store.get(key), onclick: () => store.set({ [key]: !store.get(key) }) });
   store.on([key], () => one.setAttribute("aria-pressed", String(store.get(key))));
   return one;
 }
@@ -23,10 +16,10 @@ export function buildPlanBar(element, { store, plan }) {
   const colour = choice({
     label: "Colour of the pattern",
     testid: "plan-colour",
-    options: [
-      { value: "none", text: "Plain pattern" },
-      ...Object.entries(QUANTITIES).map(([value, { name }]) => ({ value, text: `By ${name.toLowerCase()}` })),
-    ],
+    options: {
+      none: "Plain pattern",
+      ...Object.fromEntries(Object.entries(QUANTITY_NAMES).map(([value, name]) => [value, `By ${name.toLowerCase()}`])),
+    },
     value: store.get("planColour"),
     onchange: (value) => store.set({ planColour: value }),
   });
@@ -34,19 +27,15 @@ export function buildPlanBar(element, { store, plan }) {
   element.append(
     colour.element,
     h("span", { class: "gap" }),
-    toggle({
-      store,
-      key: "snap",
-      picture: "snap",
+    toggle(store, "snap", {
+      icon: "snap",
       label: "Snap to corners, stars and millimetres",
       keys: "S",
       testid: "snap",
     }),
-    toggle({ store, key: "grid", picture: "grid", label: "Millimetre grid", testid: "grid" }),
-    toggle({
-      store,
-      key: "printArea",
-      picture: "printer",
+    toggle(store, "grid", { icon: "grid", label: "Millimetre grid", testid: "grid" }),
+    toggle(store, "printArea", {
+      icon: "printer",
       label: "Frame and printable area",
       keys: "P",
       testid: "plan-print-area",
@@ -81,17 +70,15 @@ export function buildViewBar(element, studio) {
   store.on(["viewColour"], ({ viewColour }) => colour.set(viewColour));
   update();
   const toggles = [
-    toggle({
-      store,
-      key: "paintOnSheet",
-      picture: "brush",
+    toggle(store, "paintOnSheet", {
+      icon: "brush",
       label: "Paint on the sheet; drag beside it to turn",
       keys: "D",
       testid: "paint-on-sheet",
     }),
-    toggle({ store, key: "orthographic", picture: "ortho", label: "Orthographic", keys: "O", testid: "ortho" }),
-    toggle({ store, key: "showArms", picture: "arms", label: "Arms", testid: "show-arms" }),
-    toggle({ store, key: "showBumps", picture: "bumps", label: "Bumps", testid: "show-bumps" }),
+    toggle(store, "orthographic", { icon: "ortho", label: "Orthographic", keys: "O", testid: "ortho" }),
+    toggle(store, "showArms", { icon: "arms", label: "Arms", testid: "show-arms" }),
+    toggle(store, "showBumps", { icon: "bumps", label: "Bumps", testid: "show-bumps" }),
   ];
   element.append(
     colour.element,

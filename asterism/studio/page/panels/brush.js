@@ -1,7 +1,7 @@
 // Panel of the brush.
 
 import { check, h, hint, section, segments } from "../dom.js";
-import { QUANTITIES } from "../format.js";
+import { QUANTITIES, QUANTITY_NAMES } from "../format.js";
 import { RADII, brushOn, namesWithOwn } from "../sheet.js";
 import { numberField } from "./fields.js";
 
@@ -25,64 +25,54 @@ const MODES = {
   },
 };
 
-export function brushPanel({ store }, { on }) {
-  const brush = () => store.get("brush");
-  const change = (patch) => store.set({ brush: { ...brush(), ...patch } });
-  const quantity = segments({
-    label: "Size to paint",
-    testid: "quantity",
-    options: Object.entries(QUANTITIES).map(([value, { name }]) => ({ value, text: name })),
-    value: brush().quantity,
-    onchange: (value) => change(valuesFor(store.get("sheet"), value)),
-  });
+/**
+ * What the panels of both brushes have: `change(patch)` of its `setting` in the store, `says` about the mode, and
+ * `field(label, key, options, factor)`, a number of the brush; `update` shows the brush as it is.
+ */
+export function brushParts({ store }, { setting, modes, prefix = "" }) {
+  const brush = () => brushOn(store.get("sheet"), store.get(setting));
+  const change = (patch) => store.set({ [setting]: { ...store.get(setting), ...patch } });
   const mode = segments({
     label: "Brush mode",
-    testid: "mode",
-    options: Object.entries(MODES).map(([value, { text, title }]) => ({ value, text, title })),
+    testid: `${prefix}mode`,
+    options: modes,
     value: brush().mode,
     onchange: (value) => change({ mode: value }),
   });
+  const field = (label, key, options, factor = 1) =>
+    numberField({
+      label,
+      value: factor * brush()[key],
+      slider: true,
+      testid: prefix + key,
+      onchange: (value) => change({ [key]: value / factor }),
+      ...options,
+    });
+  const radius = field("Radius", "radius", { step: 0.5, min: RADII[0], max: RADII[1] });
+  const strength = field("Strength", "strength", { unit: "%", min: 1, max: 100, step: 1 }, 100);
   const says = hint("");
-  const target = numberField({
-    label: "Target",
-    value: 1,
-    step: 0.1,
-    digits: 2,
-    slider: true,
-    testid: "target",
-    onchange: (value) => change({ target: value }),
+  function update() {
+    const now = brush();
+    says.textContent = modes[now.mode].says;
+    mode.set(now.mode);
+    radius.set(now.radius);
+    strength.set(Math.round(100 * now.strength));
+  }
+  return { brush, change, mode, says, field, radius, strength, update };
+}
+
+export function brushPanel({ store }, { on }) {
+  const parts = brushParts({ store }, { setting: "brush", modes: MODES });
+  const { brush, change, mode, says, field, radius, strength } = parts;
+  const quantity = segments({
+    label: "Size to paint",
+    testid: "quantity",
+    options: QUANTITY_NAMES,
+    value: brush().quantity,
+    onchange: (value) => change(valuesFor(store.get("sheet"), value)),
   });
-  const amount = numberField({
-    label: "Amount",
-    value: 1,
-    min: -5,
-    max: 5,
-    step: 0.05,
-    digits: 2,
-    slider: true,
-    testid: "amount",
-    onchange: (value) => change({ amount: value }),
-  });
-  const radius = numberField({
-    label: "Radius",
-    value: brushOn(store.get("sheet"), brush()).radius,
-    step: 0.5,
-    slider: true,
-    testid: "radius",
-    onchange: (value) => change({ radius: value }),
-  });
-  radius.limits(...RADII);
-  const strength = numberField({
-    label: "Strength",
-    unit: "%",
-    value: 100 * brush().strength,
-    min: 1,
-    max: 100,
-    step: 1,
-    slider: true,
-    testid: "strength",
-    onchange: (value) => change({ strength: value / 100 }),
-  });
+  const target = field("Target", "target", { step: 0.1, digits: 2 });
+  const amount = field("Amount", "amount", { min: -5, max: 5, step: 0.05, digits: 2 });
   const inLaw = check({
     text: "Stay within the calibrated range",
     value: store.get("inLaw"),
@@ -97,28 +87,25 @@ export function brushPanel({ store }, { on }) {
     for (const name of ["quantity-length", "mode-erase", "mode-remove"]) {
       for (const one of [quantity, mode]) one.element.querySelector(`[data-testid='${name}']`)?.toggleAttribute("hidden", isOfRods);
     }
-    const { quantity: name, mode: way, target: wanted, amount: more, strength: share } = brush();
+    const { quantity: name, mode: way, target: wanted, amount: more } = brush();
     const sheet = store.get("sheet");
     const [low, high] = sheet?.range(name, store.get("inLaw")) ?? [0, 20];
-    says.textContent = MODES[way].says;
+    parts.update();
     const printable = sheet?.printable(name);
     const most = isOfRods ? Math.min(high, QUANTITIES[name].usual) : high;
     target.limits(low, most);
     target.set(Math.min(Math.max(wanted, low), most));
     amount.limits(-10 * QUANTITIES[name].step, 10 * QUANTITIES[name].step);
     amount.set(more);
-    radius.set(brushOn(sheet, brush()).radius);
-    strength.set(Math.round(100 * share));
     quantity.set(name);
-    mode.set(way);
     target.element.hidden = way !== "set";
     amount.element.hidden = way !== "add";
     strength.element.hidden = way === "erase" || way === "remove";
     quantity.element.hidden = way === "erase" || way === "remove";
     range.hidden = quantity.element.hidden;
     inLaw.element.hidden = range.hidden || isOfRods; // cells of rods are solved for the sizes that are painted
-    const text = `${trim(low)} to ${trim(high)} mm`;
-    range.textContent = `${store.get("inLaw") && !isOfRods ? "Calibrated" : "Allowed"}: ${text}.${printable ? ` Printable: steps of ${trim(printable.step)} mm.` : ""}`;
+    const text = `${plainly(low)} to ${plainly(high)} mm`;
+    range.textContent = `${store.get("inLaw") && !isOfRods ? "Calibrated" : "Allowed"}: ${text}.${printable ? ` Printable: steps of ${plainly(printable.step)} mm.` : ""}`;
   }
   function tellOwn() {
     const { key, name } = QUANTITIES[brush().quantity];
@@ -165,25 +152,17 @@ export function fitBrushToRods(store) {
 
 /** Mirrors and sixfold symmetry while painting. */
 export function symmetry({ store }, { on }) {
-  const box = (key, text) =>
-    check({
+  const boxes = Object.entries({ mirrorX: "Left–right", mirrorY: "Top–bottom", sixfold: "Sixfold" }).map(([key, text]) => {
+    const box = check({
       text,
       value: store.get("symmetry")[key],
       testid: key,
       onchange: (value) => store.set({ symmetry: { ...store.get("symmetry"), [key]: value } }),
     });
-  const boxes = [box("mirrorX", "Left–right"), box("mirrorY", "Top–bottom"), box("sixfold", "Sixfold")];
-  on(["symmetry"], ({ symmetry: now }) =>
-    ["mirrorX", "mirrorY", "sixfold"].forEach((key, k) => boxes[k].set(now[key])),
-  );
-  return [
-    section("Symmetry"),
-    h(
-      "div",
-      { class: "row wrap" },
-      boxes.map((one) => one.element),
-    ),
-  ];
+    on(["symmetry"], ({ symmetry }) => box.set(symmetry[key]));
+    return box;
+  });
+  return [section("Symmetry"), h("div", { class: "row wrap" }, boxes.map((one) => one.element))];
 }
 
-export const trim = (value) => String(Number(value.toFixed(3)));
+const plainly = (value) => String(Number(value.toFixed(3)));

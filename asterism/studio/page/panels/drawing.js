@@ -1,6 +1,6 @@
 // The dialog that lays a drawing on the sheet: each layer becomes rods, the outline, both, or is left out.
 
-import { button, check, choice, dialog, h, hint, segments } from "../dom.js";
+import { button, check, choice, dialog, h, hint, labelled, segments, table } from "../dom.js";
 import { fixed, plural, size } from "../format.js";
 import { pictureOf } from "./drawing_picture.js";
 import { numberField } from "./fields.js";
@@ -8,6 +8,7 @@ import { toast } from "./toasts.js";
 
 const OUTLINE_NAMES = /outline|border|contour|boundary|sheet|cut\b|umriss|rand\b/i;
 const MIN_STROKE_MM = 0.3; // thinner strokes are hairlines: they say where, not how wide
+const HEADS = ["Layer", "Becomes", "Thickness", "Width"];
 const UNIT_NAMES = { mm: "Millimetres", cm: "Centimetres", in: "Inches", px: "Pixels, 96 to the inch" };
 
 /** Asks for the unit of a file that has none. */
@@ -16,7 +17,7 @@ export function askUnit(name, units, answer) {
   const chosen = choice({
     label: "Unit of the drawing",
     testid: "drawing-unit",
-    options: units.map((value) => ({ value, text: UNIT_NAMES[value] ?? value })),
+    options: Object.fromEntries(units.map((value) => [value, UNIT_NAMES[value] ?? value])),
     value: unit,
     onchange: (value) => (unit = value),
   });
@@ -26,16 +27,11 @@ export function askUnit(name, units, answer) {
       "div",
       { class: "export" },
       hint("The file does not say in which unit it is drawn."),
-      h("div", { class: "field" }, h("label", {}, "One unit of the drawing is"), chosen.element),
+      labelled("One unit of the drawing is", chosen),
       h(
         "div",
         { class: "row" },
-        button({
-          text: "Go on",
-          kind: "primary",
-          testid: "drawing-unit-go",
-          onclick: () => (element.close(), answer(unit)),
-        }),
+        button({ text: "Go on", kind: "primary", testid: "drawing-unit-go", onclick: () => (element.close(), answer(unit)) }),
       ),
     ),
     { testid: "unit-dialog" },
@@ -74,12 +70,12 @@ export function openDrawing({ store, edits, actions }, drawing) {
       onchange: (value) => (layer[key] = value),
     });
   const rows = layers.map((layer) => {
-    const uses = [
-      { value: "rods", text: "Rods" },
-      { value: "outline", text: "Outline and holes", disabled: !layer.has_rings },
-      { value: "both", text: "Rods and outline", disabled: !layer.is_one_ring },
-      { value: "none", text: "Left out" },
-    ];
+    const uses = {
+      rods: "Rods",
+      outline: { text: "Outline and holes", disabled: !layer.has_rings },
+      both: { text: "Rods and outline", disabled: !layer.is_one_ring },
+      none: "Left out",
+    };
     const use = choice({
       label: `Use of ${layer.name}`,
       testid: `drawing-use-${layer.name}`,
@@ -123,24 +119,21 @@ export function openDrawing({ store, edits, actions }, drawing) {
   const sheet = segments({
     label: "Sheet",
     testid: "drawing-sheet",
-    options: [
-      { value: "kept", text: "As it is" },
-      { value: "around", text: "Rectangle around it", title: "A rectangle with 10 mm around the drawing" },
-    ],
+    options: {
+      kept: "As it is",
+      around: { text: "Rectangle around it", title: "A rectangle with 10 mm around the drawing" },
+    },
     value: chosen.sheet,
     onchange: (value) => (chosen.sheet = value),
   });
   const origin = segments({
     label: "Place",
     testid: "drawing-origin",
-    options: [
-      { value: "middle", text: "In the middle" },
-      { value: "drawing", text: "As drawn", title: "At the drawing's own coordinates" },
-    ],
+    options: { middle: "In the middle", drawing: { text: "As drawn", title: "At the drawing's own coordinates" } },
     value: chosen.origin,
     onchange: (value) => (chosen.origin = value),
   });
-  const sheetRow = labelled("Outline of the sheet", sheet.element);
+  const sheetRow = titled("Outline of the sheet", sheet);
   const fault = h("div", { class: "fault any", role: "alert", hidden: true, testid: "drawing-problem" });
   const go = button({ icon: "upload", text: "Put it on the sheet", kind: "primary", testid: "drawing-go", onclick: place });
 
@@ -188,16 +181,6 @@ export function openDrawing({ store, edits, actions }, drawing) {
   }
   let stop = () => {};
 
-  const table = h(
-    "table",
-    { class: "small layers" },
-    h("thead", {}, h("tr", {}, ["Layer", "Becomes", "Thickness", "Width"].map((text) => h("th", { scope: "col" }, text)))),
-    h(
-      "tbody",
-      {},
-      rows.map((row) => row.element),
-    ),
-  );
   const body = h(
     "div",
     { class: "drawing" },
@@ -208,19 +191,18 @@ export function openDrawing({ store, edits, actions }, drawing) {
       h("p", { class: "hint", testid: "drawing-size" }, `${size(drawing.size_mm, 1)}, ${plural(layers.length, "layer")}`),
       drawing.left_out ? hint(`Left out: ${drawing.left_out}.`) : null,
       sheetRow,
-      labelled("Place on the sheet", origin.element),
+      titled("Place on the sheet", origin),
       strokes.element,
       keep.element,
     ),
-    h("div", { class: "layers-list" }, table),
+    h("div", { class: "layers-list" }, table({ class: "small layers" }, HEADS, rows.map((row) => row.element))),
     h("div", { class: "end" }, fault, go),
   );
   const element = dialog(`Put ${drawing.name} on the sheet`, body, { testid: "drawing-dialog", onclose: () => stop() });
   show();
 }
 
-const labelled = (text, element) =>
-  h("div", { class: "labelled" }, h("span", { class: "muted" }, text), element);
+const titled = (text, { element }) => h("div", { class: "labelled" }, h("span", { class: "muted" }, text), element);
 
 const widthText = ([low, high]) =>
   high - low < 0.01 ? `${fixed(low, 2)} mm wide` : `${fixed(low, 2)} to ${fixed(high, 2)} mm wide`;

@@ -1,11 +1,11 @@
 // The export dialog: files for the printer, and what was written.
 
-import { button, check, choice, dialog, h, hint, replace, section } from "../dom.js";
-import { bytes } from "../format.js";
+import { button, check, choice, dialog, h, hint, labelled, replace, section } from "../dom.js";
+import { bytes, capital } from "../format.js";
 import { icon } from "../icons.js";
 import { numberField } from "./fields.js";
 
-export function openExport({ store, connection }) {
+export function openExport({ store, actions }) {
   const { printers = [], plastics = [] } = store.get("document");
   let printer = store.get("sheet").printer?.name ?? printers[0]?.name;
   let plastic = plastics.find((name) => name.startsWith("tpu")) ?? plastics[0];
@@ -20,7 +20,7 @@ export function openExport({ store, connection }) {
     ? choice({
         label: "Plastic",
         testid: "export-plastic",
-        options: plastics.map((name) => ({ value: name, text: name })),
+        options: Object.fromEntries(plastics.map((name) => [name, name])),
         value: plastic,
         onchange: (value) => (plastic = value),
       })
@@ -29,9 +29,8 @@ export function openExport({ store, connection }) {
     text: `Write the shape too (OBJ, STL, GLB): ${store.get("badge").words}`,
     value: true,
     testid: "export-preview",
-    onchange: () => {},
   });
-  const border = check({ text: "Print a line to cut along", value: true, testid: "export-border", onchange: () => {} });
+  const border = check({ text: "Print a line to cut along", value: true, testid: "export-border" });
   const spacing = numberField({
     label: "Needles on supported edges, at most apart",
     value: 20,
@@ -46,7 +45,7 @@ export function openExport({ store, connection }) {
     "div",
     { class: "row", hidden: true },
     said,
-    button({ text: "Cancel", testid: "export-cancel", onclick: () => connection.send("cancel") }),
+    button({ text: "Cancel", testid: "export-cancel", onclick: actions.cancel }),
   );
   const written = h("div", { role: "status", testid: "export-result" });
   const go = button({
@@ -55,12 +54,8 @@ export function openExport({ store, connection }) {
     kind: "primary",
     testid: "export-go",
     onclick: () => {
-      store.set({ results: { ...store.get("results"), export: null } });
-      connection.send("export", {
-        printer,
-        plastic,
-        options: { preview: preview.box.checked, border: border.box.checked, needle_spacing_mm: needleSpacing },
-      });
+      const options = { preview: preview.box.checked, border: border.box.checked, needle_spacing_mm: needleSpacing };
+      actions.writeFiles({ printer, plastic, ...options });
     },
   });
   const update = () => {
@@ -77,7 +72,7 @@ export function openExport({ store, connection }) {
               section("Written"),
               hint(`All files are in ${folderOf(store.get("document").path, result.files)}`),
               result.summary?.shape_state ? hint(`The shape: ${result.summary.shape_state}`) : null,
-              (result.warnings ?? []).map((text) => hint(text.charAt(0).toUpperCase() + text.slice(1))),
+              (result.warnings ?? []).map((text) => hint(capital(text))),
               fileList(first(result.files)),
               h(
                 "details",
@@ -95,8 +90,8 @@ export function openExport({ store, connection }) {
     h(
       "div",
       { class: "export" },
-      h("div", { class: "field" }, h("label", {}, "Printer"), machine.element),
-      material ? h("div", { class: "field" }, h("label", {}, "Plastic"), material.element) : null,
+      labelled("Printer", machine),
+      material && labelled("Plastic", material),
       hint(
         "3MF and STL for the slicer, PDF, SVG and DXF at 1:1, drilling template, start code, instructions, and the rounded design.",
       ),

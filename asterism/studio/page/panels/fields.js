@@ -3,6 +3,20 @@
 import { mistakeOf, numberOf } from "../format.js";
 import { h } from "../dom.js";
 
+/** A cell of a table of numbers in mm; what is refused is marked, and its title says why. */
+export function numberCell({ value, label, testid, limits = () => undefined, onchange }) {
+  const input = h("input", { class: "text cell", value, "aria-label": label, testid });
+  input.addEventListener("keydown", (event) => event.stopPropagation());
+  input.addEventListener("change", () => {
+    const refused = mistakeOf(input.value, { unit: "mm", limits: limits() });
+    input.classList.toggle("bad-field", Boolean(refused));
+    input.setAttribute("aria-invalid", String(Boolean(refused)));
+    input.title = refused ?? "";
+    if (!refused) onchange(numberOf(input.value, "mm"));
+  });
+  return input;
+}
+
 let count = 0;
 
 /**

@@ -1,19 +1,20 @@
 // Panel of size fields: one value, gradients by dragging, a formula, a picture.
 
 import { button, choice, h, hint, refresh, section, segments } from "../dom.js";
-import { QUANTITIES } from "../format.js";
+import { QUANTITIES, QUANTITY_NAMES } from "../format.js";
+import { round, roundPoint } from "../geometry.js";
 import { sizeAt, sizeTargets } from "../sheet.js";
 import { sizeChanges } from "../plan/tools/gradient.js";
 import { numberField } from "./fields.js";
 import { toast } from "./toasts.js";
 
-const KINDS = [
-  { value: "radial", text: "Radial" },
-  { value: "linear", text: "Linear" },
-  { value: "number", text: "Value", title: "The same everywhere" },
-  { value: "formula", text: "Formula" },
-  { value: "image", text: "Image" },
-];
+const KINDS = {
+  radial: "Radial",
+  linear: "Linear",
+  number: { text: "Value", title: "The same everywhere" },
+  formula: "Formula",
+  image: "Image",
+};
 
 const MAX_LISTED = 200; // lines; others are chosen in the plan
 
@@ -27,7 +28,7 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
   const quantity = segments({
     label: "Size",
     testid: "gradient-quantity",
-    options: Object.entries(QUANTITIES).map(([value, { name }]) => ({ value, text: name })),
+    options: QUANTITY_NAMES,
     value: settings.quantity,
     onchange: (value) => ((settings.quantity = value), read()),
   });
@@ -45,47 +46,25 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
       action: { text: "Undo", run: actions.undo },
     });
   };
-  const part = (label, key, rest = {}) =>
-    numberField({
-      label,
-      value: settings[key],
-      min: 0,
-      max: 20,
-      step: 0.1,
-      digits: 2,
-      slider: true,
-      testid: `gradient-${key}`,
-      ...rest,
-      onchange: (value, isFinal) => ((settings[key] = value), edits.begin(), tool.apply(), isFinal && edits.end()),
-    });
+  const size = (label, key, value, rest) =>
+    numberField({ label, value, min: 0, max: 20, step: 0.1, digits: 2, testid: `gradient-${key}`, ...rest });
+  const part = (label, key, rest) => {
+    const onchange = (value, isFinal) => ((settings[key] = value), edits.begin(), tool.apply(), isFinal && edits.end());
+    return size(label, key, settings[key], { slider: true, ...rest, onchange });
+  };
   const from = part("From", "from");
   const to = part("To", "to");
   const power = part("Power", "power", { unit: "", min: 0.2, max: 5 });
   const drag = hint("Drag a line in the plan, or its ends: the first value where you start, the second where you stop.");
-  const number = numberField({
-    label: "Everywhere",
-    value: 7,
-    min: 0,
-    max: 20,
-    step: 0.1,
-    digits: 2,
+  const number = size("Everywhere", "number", 7, {
     slider: true,
-    testid: "gradient-number",
-    onchange: (value, isFinal) => (
-      edits.begin(),
-      edits.design(sizeChanges(store.get("sheet").design, tool.path, settings.quantity, value)),
-      tool.path === "stars" &&
-        edits.preview(
-          settings.quantity,
-          new Map(
-            store
-              .get("sheet")
-              .stars.filter((star) => !star.removed)
-              .map((star) => [star.key, value]),
-          ),
-        ),
-      isFinal && edits.end()
-    ),
+    onchange(value, isFinal) {
+      edits.begin();
+      edits.design(sizeChanges(store.get("sheet").design, tool.path, settings.quantity, value));
+      const stars = store.get("sheet").stars.filter((star) => !star.removed);
+      if (tool.path === "stars") edits.preview(settings.quantity, new Map(stars.map((star) => [star.key, value])));
+      if (isFinal) edits.end();
+    },
   });
   const text = h("textarea", {
     class: "text",
@@ -124,26 +103,10 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
     const { value } = sizeAt(store.get("sheet").design, tool.path, QUANTITIES[settings.quantity].key);
     if (isPicture(value)) send({ ...value, ...ends });
   };
-  const low = numberField({
-    label: "Black",
-    value: 4,
-    min: 0,
-    max: 20,
-    step: 0.1,
-    digits: 2,
-    testid: "image-low",
-    onchange: (value) => resized({ low: value }),
-  });
-  const high = numberField({
-    label: "White",
-    value: 10,
-    min: 0,
-    max: 20,
-    step: 0.1,
-    digits: 2,
-    testid: "image-high",
-    onchange: (value) => resized({ high: value }),
-  });
+  const end = (label, key, value) =>
+    size(label, key, value, { testid: `image-${key}`, onchange: (entered) => resized({ [key]: entered }) });
+  const low = end("Black", "low", 4);
+  const high = end("White", "high", 10);
   const image = h(
     "div",
     {},
@@ -157,15 +120,9 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
       testid: "upload-image",
       onclick: () =>
         actions.upload("image", "image/png,image/jpeg", (value) => {
-          const { size, centre } = store.get("sheet").box;
-          const numbers = [low, high].map((one) => Number(one.input.value));
-          send({
-            ...value,
-            low: numbers[0],
-            high: numbers[1],
-            extent_mm: size.map((one) => Number(one.toFixed(2))),
-            centre_mm: centre.map((one) => Number(one.toFixed(2))),
-          });
+          const { size: extent, centre } = store.get("sheet").box;
+          const ends = { low: Number(low.input.value), high: Number(high.input.value) };
+          send({ ...value, ...ends, extent_mm: roundPoint(extent, 2), centre_mm: roundPoint(centre, 2) });
         }),
     }),
   );
@@ -204,7 +161,7 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
             testid: "sizes-of",
             options: all
               .filter(({ path }, k) => k < MAX_LISTED || path === tool.path)
-              .map(({ path, text }) => ({ value: path, text })),
+              .map(({ path: value, text: name }) => ({ value, text: name })),
             value: tool.path,
             onchange: (path) => store.set({ sizesOf: path }),
           }).element,
@@ -226,48 +183,26 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
     const [least, most] = store.get("sheet")?.range(settings.quantity, store.get("inLaw") && !isOfRods) ?? [0, 20];
     const shown = Math.min(most, QUANTITIES[settings.quantity].usual);
     for (const one of [from, to, number, low, high]) one.limits(least, shown);
-    for (const [key, share] of [
-      ["from", 0.5],
-      ["to", 0.25],
-    ]) {
-      // the values of another size would be refused
-      if (settings[key] < least || settings[key] > shown) settings[key] = Number((least + share * (shown - least)).toFixed(2));
-    }
-    for (const [end, key, share] of [
-      [low, "low", 0.25],
-      [high, "high", 0.5],
-    ]) {
-      const entered = Number(end.input.value);
-      const isAllowed = entered >= least && entered <= shown;
-      if (isPicture(profile)) end.set(profile[key]);
-      else if (!isAllowed) end.set(Number((least + share * (shown - least)).toFixed(2)));
-    }
+    // the values of another size would be refused
+    const allowed = (value, share) => (value >= least && value <= shown ? value : round(least + share * (shown - least), 2));
+    Object.assign(settings, { from: allowed(settings.from, 0.5), to: allowed(settings.to, 0.25) });
+    low.set(isPicture(profile) ? profile.low : allowed(Number(low.input.value), 0.25));
+    high.set(isPicture(profile) ? profile.high : allowed(Number(high.input.value), 0.5));
     from.set(settings.from);
     to.set(settings.to);
     power.set(settings.power);
     show();
   }
   function count() {
-    const keys =
-      store
-        .get("sheet")
-        ?.stars.filter((star) => star.painted)
-        .map((star) => star.key) ?? [];
-    painted.replaceChildren(
-      ...(keys.length
-        ? [
-            hint(
-              `${keys.length === 1 ? "1 star has a painted size" : `${keys.length} stars have painted sizes`}; they stay as they are.`,
-            ),
-            button({
-              text: "Drop painted sizes",
-              kind: "wide",
-              testid: "drop-painted",
-              onclick: () => edits.once(() => edits.reset(keys)),
-            }),
-          ]
-        : []),
-    );
+    const keys = store.get("sheet")?.stars.filter((star) => star.painted).map((star) => star.key) ?? [];
+    const said = keys.length === 1 ? "1 star has a painted size" : `${keys.length} stars have painted sizes`;
+    const drop = button({
+      text: "Drop painted sizes",
+      kind: "wide",
+      testid: "drop-painted",
+      onclick: () => edits.once(() => edits.reset(keys)),
+    });
+    painted.replaceChildren(...(keys.length ? [hint(`${said}; they stay as they are.`), drop] : []));
   }
   on(["sheet"], () => {
     from.set(settings.from);
@@ -298,29 +233,4 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
     own,
     painted,
   ];
-}
-
-/** Panel of the ruler. */
-export function rulerPanel({ store }, { on }) {
-  const list = h("dl", { class: "figures", testid: "measured" });
-  const empty = hint("Drag in the plan from one place to another.");
-  function update() {
-    const measured = store.get("measured");
-    empty.hidden = Boolean(measured);
-    list.replaceChildren();
-    if (!measured) return;
-    const stretch = store.get("sheet")?.design.fabric?.stretch ?? 1.35;
-    const [sx, sy] = Array.isArray(stretch) ? stretch : [stretch, stretch];
-    const [[ax, ay], [bx, by]] = measured.line;
-    const rows = [
-      ["On the print", measured.printed],
-      ["Across, x", Math.abs(bx - ax)],
-      ["Upwards, y", Math.abs(by - ay)],
-      ["Released fabric without stars", Math.hypot((bx - ax) / sx, (by - ay) / sy)],
-    ];
-    for (const [name, value] of rows) list.append(h("dt", {}, name), h("dd", {}, `${value.toFixed(1)} mm`));
-  }
-  on(["measured"], update);
-  update();
-  return [section("Distance"), empty, list];
 }

@@ -8,17 +8,27 @@ const WIDTH_PX = 144;
 const HEIGHT_PX = 108;
 const MARGIN_PX = 8;
 
-export function openHistory({ store, connection }) {
+/** A dialog with pictures of states, which the server lists under `key` when they are asked for. */
+function openStates({ store, connection }, { key, title, about, testid, build }) {
   const list = h("div", { class: "thumbnails" });
-  const update = () => {
-    const states = [...(store.get("history") ?? [])].reverse();
-    refresh(list, states, () => (states.length ? states.map(thumbnail) : hint("There are no earlier states yet.")));
-  };
+  const update = () => refresh(list, store.get(key), () => build(store.get(key) ?? []));
+  const stops = [store.on([key], update), store.on(["document"], () => connection.send(key))];
+  dialog(title, [hint(about), list], { testid, onclose: () => stops.forEach((stop) => stop()) });
+  connection.send(key);
+  update();
+}
 
-  function thumbnail(state) {
-    const picture = h("canvas", { "aria-hidden": "true" });
-    draw(picture, state);
-    return h(
+/** A small plan; nothing if the sheet cannot be laid out. */
+function pictureOf(state) {
+  const picture = h("canvas", { "aria-hidden": "true" });
+  if (state.outline_mm) draw(picture, state);
+  return picture;
+}
+
+export function openHistory(studio) {
+  const { store, connection } = studio;
+  const thumbnail = (state) =>
+    h(
       "button",
       {
         type: "button",
@@ -27,43 +37,37 @@ export function openHistory({ store, connection }) {
         testid: `state-${state.position}`,
         onclick: () => (store.set({ hole: null }), connection.send("go", { position: state.position })),
       },
-      picture,
+      pictureOf(state),
       h("span", { title: state.words }, state.words),
     );
-  }
-
-  const stops = [store.on(["history"], update), store.on(["document"], () => connection.send("history"))];
-  dialog("Earlier states", [hint("The newest is first. Undo and redo go through the same states."), list], {
+  openStates(studio, {
+    key: "history",
+    title: "Earlier states",
+    about: "The newest is first. Undo and redo go through the same states.",
     testid: "history-dialog",
-    onclose: () => stops.forEach((stop) => stop()),
+    build: (states) => (states.length ? states.map(thumbnail).reverse() : hint("There are no earlier states yet.")),
   });
-  connection.send("history");
-  update();
 }
 
 /** The unsaved work of other sessions, each to be brought back or forgotten. */
-export function openKept({ store, connection }) {
-  const list = h("div", { class: "thumbnails" });
-  const about = (state) => {
-    const picture = h("canvas", { "aria-hidden": "true" });
-    if (state.outline_mm) draw(picture, state);
-    const ask = (type) => () => connection.send(type, { name: state.name });
-    return h(
+export function openKept(studio) {
+  const ask = (type, { name }) => () => studio.connection.send(type, { name });
+  const about = (state) =>
+    h(
       "div",
       { class: "thumbnail", testid: `kept-${state.name}` },
-      picture,
+      pictureOf(state),
       h("span", {}, date(state.time)),
-      button({ text: "Bring it back", onclick: ask("recover") }),
-      button({ text: "Forget it", onclick: ask("discard") }),
+      button({ text: "Bring it back", onclick: ask("recover", state) }),
+      button({ text: "Forget it", onclick: ask("discard", state) }),
     );
-  };
-  const update = () => refresh(list, store.get("kept"), () => (store.get("kept") ?? []).map(about));
-  const stops = [store.on(["kept"], update), store.on(["document"], () => connection.send("kept"))];
-  dialog("Unsaved changes of earlier sessions", [hint("The newest is first."), list], {
+  openStates(studio, {
+    key: "kept",
+    title: "Unsaved changes of earlier sessions",
+    about: "The newest is first.",
     testid: "kept-dialog",
-    onclose: () => stops.forEach((stop) => stop()),
+    build: (states) => states.map(about),
   });
-  connection.send("kept");
 }
 
 /** Outline, and a dot for each star, as large as its arms. */

@@ -5,8 +5,9 @@ import { plainField } from "../format.js";
 
 const PAGES = { tool: "Tool", sheet: "Material", shape: "Shape" };
 
-/** `builders`: {tool: {name -> build}, sheet: build, shape: build}; a build returns an element and may add `update`. */
-export function buildInspector(element, { store, builders, toolTitles }) {
+/** `panels`: what builds a page; that of a tool is its own. Each returns elements, and is told of changes by `on`. */
+export function buildInspector(element, studio, panels) {
+  const { store, tools } = studio;
   const tabs = Object.keys(PAGES).map((page) =>
     h("button", {
       type: "button",
@@ -39,9 +40,9 @@ export function buildInspector(element, { store, builders, toolTitles }) {
     shown = wanted;
     stop.forEach((end) => end());
     stop = [];
-    const builder = page === "tool" ? builders.tool[tool] : builders[page];
+    const panel = page === "tool" ? tools[tool].panel : panels[page];
     const on = (keys, listener) => stop.push(store.on(keys, listener));
-    replace(body, builder({ on }));
+    replace(body, panel(studio, { on }));
     body.setAttribute("aria-labelledby", `tab-${page}`);
     body.scrollTop = 0;
     showFault();
@@ -67,12 +68,9 @@ export function buildInspector(element, { store, builders, toolTitles }) {
       const name = Object.keys(PAGES)[k];
       tab.setAttribute("aria-selected", String(name === page));
       tab.tabIndex = name === page ? 0 : -1;
-      const title = name === "tool" ? toolTitles[store.get("tool")] : PAGES[name];
-      replace(
-        tab,
-        title,
-        name === "shape" && count ? h("span", { class: "badge", title: `${count} warnings` }, count) : null,
-      );
+      const title = name === "tool" ? tools[store.get("tool")].title : PAGES[name];
+      const badge = name === "shape" && count > 0 && h("span", { class: "badge", title: `${count} warnings` }, count);
+      replace(tab, title, badge);
     });
   }
   store.on(["page", "tool"], () => (build(), mark()));

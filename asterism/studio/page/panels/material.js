@@ -1,7 +1,7 @@
 // Panel of fabric, plastic, stars and printer. What the law does not allow is shown as such before it is tried.
 
 import { borderOf } from "../border.js";
-import { button, check, choice, h, hint, refresh, section } from "../dom.js";
+import { button, check, choice, figureRows, h, hint, labelled, refresh, replace, section } from "../dom.js";
 import { fixed } from "../format.js";
 import { roundPoint } from "../geometry.js";
 import { patternOf } from "../sheet.js";
@@ -36,17 +36,16 @@ export function materialPanel({ store, edits, connection, actions }, { on }) {
   let follows = null;
   const stretchHint = hint("");
   const needles = h("div", { testid: "needles-follow" });
-  const thickness = numberField({
+  const valueField = (field, rest) => numberField({ field, onchange: (value) => send({ [field]: value }), ...rest });
+  const thickness = valueField("fabric.thickness_mm", {
     label: "Released thickness",
     value: 0.8,
     min: 0.01,
     max: 10,
     step: 0.05,
     testid: "fabric-thickness",
-    field: "fabric.thickness_mm",
-    onchange: (value) => send({ "fabric.thickness_mm": value }),
   });
-  const kappa = numberField({
+  const kappa = valueField("plastic.kappa_bar_per_mm", {
     label: "Peeled curvature",
     unit: "1/mm",
     value: 0,
@@ -55,8 +54,6 @@ export function materialPanel({ store, edits, connection, actions }, { on }) {
     step: 0.001,
     digits: 4,
     testid: "kappa",
-    field: "plastic.kappa_bar_per_mm",
-    onchange: (value) => send({ "plastic.kappa_bar_per_mm": value }),
   });
   const printer = choice({
     label: "Printer",
@@ -90,11 +87,7 @@ export function materialPanel({ store, edits, connection, actions }, { on }) {
   const lattice = choice({
     label: "Lattice of the stars",
     testid: "lattice",
-    options: [
-      { value: "triangular", text: "Triangular lattice" },
-      { value: "square", text: "Square lattice" },
-      { value: "custom", text: "Own lattice" },
-    ],
+    options: { triangular: "Triangular lattice", square: "Square lattice", custom: "Own lattice" },
     value: "triangular",
     onchange: (value) => arrange("kind", value),
   });
@@ -115,21 +108,14 @@ export function materialPanel({ store, edits, connection, actions }, { on }) {
   const branch = choice({
     label: "Stars rise",
     testid: "branch",
-    options: [
-      { value: "up", text: "To the plastic's side" },
-      { value: "down", text: "To the fabric's side" },
-      { value: "free", text: "As they find it" },
-    ],
+    options: { up: "To the plastic's side", down: "To the fabric's side", free: "As they find it" },
     value: "up",
     onchange: (value) => send({ "stars.branch": value }),
   });
   const side = choice({
     label: "Plastic of the stars",
     testid: "side",
-    options: [
-      { value: "above", text: "Above the fabric" },
-      { value: "below", text: "Below the fabric" },
-    ],
+    options: { above: "Above the fabric", below: "Below the fabric" },
     value: "above",
     onchange: (value) => send({ "stars.side": value }),
   });
@@ -140,8 +126,8 @@ export function materialPanel({ store, edits, connection, actions }, { on }) {
     h("div", { class: "row" }, lattice.element),
     Object.values(places).map((one) => one.element),
     hint("The preview learns another lattice when it is first used, in a minute or so."),
-    h("div", { class: "row" }, h("label", { class: "muted" }, "Rise"), h("span", { class: "grow" }), branch.element),
-    h("div", { class: "row" }, h("label", { class: "muted" }, "Plastic"), h("span", { class: "grow" }), side.element),
+    labelled("Rise", branch),
+    labelled("Plastic", side),
   );
   const facts = h("dl", { class: "figures" });
 
@@ -202,7 +188,7 @@ export function materialPanel({ store, edits, connection, actions }, { on }) {
       ["Plastic over fabric modulus", String(now.plastic?.modulus_ratio ?? 3200)],
       ["Printed size", `${fixed(sheet.box.size[0], 0)} × ${fixed(sheet.box.size[1], 0)} mm`],
     ];
-    facts.replaceChildren(...rows.flatMap(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]));
+    replace(facts, figureRows(rows));
   }
   on(["sheet", "document"], update);
   on(["printArea"], ({ printArea }) => area.set(printArea));

@@ -1,6 +1,6 @@
 // Panel of the supports: one block for each table of the design, exact places of the selected needle.
 
-import { button, check, choice, h, hint, section } from "../dom.js";
+import { button, check, choice, counted, h, hint, labelled, listItem, section } from "../dom.js";
 import {
   canSplit,
   isPoints,
@@ -17,9 +17,15 @@ import {
   withTable,
 } from "../supports.js";
 import { round as rounded } from "../geometry.js";
-import { icon } from "../icons.js";
 import { numberField } from "./fields.js";
 import { rebuild } from "../rebuild.js";
+
+// of the design file; `count` stands in the list of supports
+const SLIDES = {
+  "": "Fixed",
+  plane: { text: "Slides on its height", count: "slides" },
+  z: { text: "Rises and sinks", count: "rises freely" },
+};
 
 export function needlesPanel({ store, edits, tools }, { on }) {
   const tool = tools.needles.tool;
@@ -35,17 +41,13 @@ export function needlesPanel({ store, edits, tools }, { on }) {
     if (body.contains(document.activeElement) && document.activeElement.tagName === "INPUT" && edits.isOpen) return;
     const now = sheet();
     if (!now) return;
-    const parts = [section("Supports", h("span", { class: "count" }, String(now.tables.length)))];
+    const parts = [counted("Supports", now.tables.length)];
     if (!now.tables.length)
       parts.push(
         hint("The sheet is free. Click in the plan to place needles; three or more carry a sheet. Or hold its whole edge."),
       );
     parts.push(
-      h(
-        "ul",
-        { class: "list" },
-        now.tables.map((table, k) => h("li", {}, item(table, k))),
-      ),
+      h("ul", { class: "list" }, now.tables.map(item)),
       now.tables.length
         ? button({
             icon: "trash",
@@ -57,18 +59,10 @@ export function needlesPanel({ store, edits, tools }, { on }) {
         : h(
             "div",
             { class: "row wrap" },
-            button({
-              text: "Hold the outline",
-              testid: "hold-border",
-              onclick: () => hold("border"),
-            }),
+            button({ text: "Hold the outline", testid: "hold-border", onclick: () => hold("border") }),
             now.design.border?.circle_mm
               ? null
-              : button({
-                  text: "Hold the corners",
-                  testid: "hold-corners",
-                  onclick: () => hold("corners"),
-                }),
+              : button({ text: "Hold the corners", testid: "hold-corners", onclick: () => hold("corners") }),
           ),
     );
     const support = store.get("support");
@@ -76,32 +70,15 @@ export function needlesPanel({ store, edits, tools }, { on }) {
     rebuild(body, () => parts);
   }
 
-  function item(table, k) {
-    const isChosen = store.get("support")?.table === k;
-    return h(
-      "button",
-      {
-        type: "button",
-        class: "item",
-        "aria-current": String(isChosen),
-        testid: `support-${k}`,
-        onclick: () => store.set({ support: { table: k, point: isPoints(table) ? 0 : null } }),
-      },
-      icon("pin"),
-      h("span", { class: "grow" }, titleOf(table, sheet().pins[k])),
-      h(
-        "span",
-        { class: "count" },
-        table.slide === "z"
-          ? "rises freely"
-          : table.slide === "plane"
-            ? "slides"
-            : table.scale
-              ? `× ${table.scale}`
-              : "",
-      ),
-    );
-  }
+  const item = (table, k) =>
+    listItem({
+      icon: "pin",
+      text: titleOf(table, sheet().pins[k]),
+      count: SLIDES[table.slide]?.count ?? (table.scale ? `× ${table.scale}` : ""),
+      isCurrent: store.get("support")?.table === k,
+      testid: `support-${k}`,
+      onclick: () => store.set({ support: { table: k, point: isPoints(table) ? 0 : null } }),
+    });
 
   function chosen(now, support) {
     const table = now.tables[support.table];
@@ -123,28 +100,19 @@ export function needlesPanel({ store, edits, tools }, { on }) {
           digits: 2,
           testid: `needle-${key}-${"xyz"[axis]}`,
           field: key === "at" ? "pins.points_mm" : "pins.target_mm",
-          onchange: (value) => move({ [key]: values.map((old, a) => (a === axis ? value : old)) }),
+          onchange: (value) => move({ [key]: values.with(axis, value) }),
         }).element;
       parts.push(
-        section(
-          `Needle ${support.point + 1}`,
-          h("span", {}, duplicate(), remove("this needle")),
-        ),
-        h("p", { class: "hint" }, "Through the print at (dot in the plan)"),
+        section(`Needle ${support.point + 1}`, h("span", {}, duplicate(), remove("this needle"))),
+        hint("Through the print at (dot in the plan)"),
         spot("x", 0, at, "at"),
         spot("y", 1, at, "at"),
-        h("p", { class: "hint" }, "Pinned to the board at (cross in the plan)"),
+        hint("Pinned to the board at (cross in the plan)"),
         spot("x", 0, target, "target"),
         spot("y", 1, target, "target"),
         spot("Height z", 2, target, "target", 0),
       );
-    } else
-      parts.push(
-        section(
-          titleOf(table, shown),
-          remove("this support"),
-        ),
-      );
+    } else parts.push(section(titleOf(table, shown), remove("this support")));
     parts.push(...whole(now, support.table, table));
     return parts;
   }
@@ -166,10 +134,7 @@ export function needlesPanel({ store, edits, tools }, { on }) {
     const height = ({ table, point }) => targetsOf(now.tables[table], now.pins[table])[point ?? 0]?.[2] ?? 0;
     const [first] = members;
     return [
-      section(
-        `${members.length} chosen`,
-        h("span", {}, duplicate(), remove("these supports")),
-      ),
+      section(`${members.length} chosen`, h("span", {}, duplicate(), remove("these supports"))),
       hint("Drag one and all move; Shift+drag, PageUp and PageDown lift them."),
       numberField({
         label: "Height of the first; all are lifted by the same",
@@ -256,11 +221,7 @@ export function needlesPanel({ store, edits, tools }, { on }) {
     const slide = choice({
       label: "Sliding",
       testid: "support-slide",
-      options: [
-        { value: "", text: "Fixed" },
-        { value: "plane", text: "Slides on its height" },
-        { value: "z", text: "Rises and sinks" },
-      ],
+      options: SLIDES,
       value: table.slide ?? "",
       onchange: (value) => change({ slide: value || undefined }),
     });
@@ -270,7 +231,7 @@ export function needlesPanel({ store, edits, tools }, { on }) {
       testid: "support-step",
       onchange: (value) => change({ step: value ? 1 : undefined }),
     });
-    parts.push(h("div", { class: "field" }, h("label", {}, "Sliding"), slide.element), later.element);
+    parts.push(labelled("Sliding", slide), later.element);
     return parts;
   }
 

@@ -1,11 +1,10 @@
 // Panel of the outline: regular shapes, corners, circles and holes as numbers, drawing files.
 
 import { curvesOf } from "../border.js";
-import { button, h, hint, refresh, section, segments } from "../dom.js";
-import { fixed, mistakeOf, numberOf, plural } from "../format.js";
-import { icon } from "../icons.js";
+import { button, counted, h, hint, listItem, refresh, section, segments } from "../dom.js";
+import { fixed, plural } from "../format.js";
 import { regularShape, sizeOf } from "../plan/tools/outline.js";
-import { numberField } from "./fields.js";
+import { numberCell, numberField } from "./fields.js";
 import { rebuild } from "../rebuild.js";
 
 const MAX_LISTED = 16; // corners
@@ -32,13 +31,7 @@ export function outlinePanel({ store, edits, tools, actions }, { on }) {
   const kind = segments({
     label: "Regular shape",
     testid: "shape",
-    options: [
-      { value: "rectangle", text: "Rectangle" },
-      { value: "hexagon", text: "Hexagon" },
-      { value: "polygon", text: "Polygon" },
-      { value: "circle", text: "Circle" },
-      { value: "l", text: "L" },
-    ],
+    options: { rectangle: "Rectangle", hexagon: "Hexagon", polygon: "Polygon", circle: "Circle", l: "L" },
     value: shape.kind,
     onchange: (value) => ((shape.kind = value), show()),
   });
@@ -78,7 +71,7 @@ export function outlinePanel({ store, edits, tools, actions }, { on }) {
     const round = curvesOf(sheet).find(({ hole }) => hole === null);
     rebuild(list, () => {
       if (round) return [section(round.axes[0] === round.axes[1] ? "Circle" : "Ellipse"), ...numbers(round, "outline")];
-      const title = section("Corners", h("span", { class: "count" }, String(outline.length)));
+      const title = counted("Corners", outline.length);
       if (outline.length <= MAX_LISTED) return [title, outline.map((_, k) => row(outline, k))];
       return [title, hint("Select a corner in the plan; its place appears here."), chosenRow(outline)];
     });
@@ -116,9 +109,9 @@ export function outlinePanel({ store, edits, tools, actions }, { on }) {
   function holesPart(curves) {
     const chosen = tool.chosenHole();
     return [
-      section(
+      counted(
         "Holes",
-        h("span", { class: "count" }, String(curves.length)),
+        curves.length,
         chosen &&
           button({
             icon: "trash",
@@ -129,57 +122,34 @@ export function outlinePanel({ store, edits, tools, actions }, { on }) {
             onclick: () => tool.removeHole(),
           }),
       ),
-      h(
-        "ul",
-        { class: "list" },
-        curves.map((curve) =>
-          h(
-            "li",
-            {},
-            h(
-              "button",
-              {
-                type: "button",
-                class: "item",
-                "aria-current": String(curve.hole === chosen?.hole),
-                testid: `hole-${curve.hole}`,
-                onclick: () => store.set({ hole: curve.hole, corner: null }),
-              },
-              icon("outline"),
-              h("span", { class: "grow" }, `Hole ${curve.number}`),
-              h("span", { class: "count" }, sizeOf(curve)),
-            ),
-          ),
-        ),
-      ),
+      h("ul", { class: "list" }, curves.map((curve) => item(curve, curve.hole === chosen?.hole))),
       chosen ? numbers(chosen, "hole") : null,
       button({ text: "Cut a round hole", kind: "wide", testid: "add-hole", onclick: () => tool.addHole() }),
     ];
   }
+  const item = (curve, isCurrent) =>
+    listItem({
+      icon: "outline",
+      text: `Hole ${curve.number}`,
+      count: sizeOf(curve),
+      isCurrent,
+      testid: `hole-${curve.hole}`,
+      onclick: () => store.set({ hole: curve.hole, corner: null }),
+    });
   function chosenRow(outline) {
     const k = store.get("corner");
     return k !== null && outline[k] ? [row(outline, k)] : [];
   }
   function row(outline, k) {
-    const move = (axis, value) =>
-      tool.setCorners(
-        outline.map((corner, other) => (other === k ? corner.map((old, a) => (a === axis ? value : old)) : corner)),
-      );
+    const move = (axis, value) => tool.setCorners(outline.with(k, outline[k].with(axis, value)));
     const cell = (axis) => {
-      const input = h("input", {
-        class: "text cell",
+      const input = numberCell({
         value: fixed(outline[k][axis], 2).replace("−", "-"),
-        "aria-label": `Corner ${k}, ${"xy"[axis]} in mm`,
+        label: `Corner ${k}, ${"xy"[axis]} in mm`,
         testid: `corner-${k}-${"xy"[axis]}`,
+        onchange: (value) => move(axis, value),
       });
-      input.addEventListener("keydown", (event) => event.stopPropagation());
       input.addEventListener("focus", () => store.set({ corner: k, hole: null }));
-      input.addEventListener("change", () => {
-        const refused = mistakeOf(input.value, { unit: "mm" });
-        input.classList.toggle("bad-field", Boolean(refused));
-        input.title = refused ?? "";
-        if (!refused) move(axis, numberOf(input.value, "mm"));
-      });
       return input;
     };
     return h(

@@ -1,6 +1,6 @@
 // The dialog that saves a picture of the sheet.
 
-import { button, check, choice, dialog, h } from "../dom.js";
+import { button, check, choice, dialog, h, labelled } from "../dom.js";
 import { numberField } from "./fields.js";
 
 /** What a picture says about itself: the design and the state of its shape. */
@@ -16,7 +16,7 @@ const OWN = "Own size";
 const SMALLEST_PX = 64;
 const LARGEST_PX = 8192; // a larger picture takes more than 1 GB while it is drawn
 
-export function openPicture({ store, view, connection }) {
+export function openPicture({ store, view, actions }) {
   const largest = Math.min(LARGEST_PX, view.renderer.largestPx);
   let size = [...SIZES["1600 × 1200"]];
   let ground = "#ffffff";
@@ -50,22 +50,19 @@ export function openPicture({ store, view, connection }) {
   const back = choice({
     label: "Background",
     testid: "picture-ground",
-    options: [
-      { value: "#ffffff", text: "White" },
-      { value: "", text: "Transparent" },
-    ],
+    options: { "#ffffff": "White", "": "Transparent" },
     value: ground,
     onchange: (value) => (ground = value),
   });
-  const captions = check({ text: "Title and scale bar", value: true, testid: "picture-caption", onchange: () => {} });
+  const captions = check({ text: "Title and scale bar", value: true, testid: "picture-caption" });
   const element = dialog(
     "Save a picture of the sheet",
     h(
       "div",
       {},
-      h("div", { class: "field" }, h("label", {}, "Size in pixels"), pixels.element),
+      labelled("Size in pixels", pixels),
       sides.map((one) => one.element),
-      h("div", { class: "field" }, h("label", {}, "Background"), back.element),
+      labelled("Background", back),
       captions.element,
       h(
         "div",
@@ -77,10 +74,7 @@ export function openPicture({ store, view, connection }) {
           testid: "picture-go",
           onclick: async () => {
             const blob = await view.picture(...size, { background: ground, title: captions.box.checked ? pictureTitle(store) : null });
-            const link = h("a", {
-              href: URL.createObjectURL(blob),
-              download: `${name}.png`,
-            });
+            const link = h("a", { href: URL.createObjectURL(blob), download: `${name}.png` });
             link.click();
             setTimeout(() => URL.revokeObjectURL(link.href), 10000);
             element.close();
@@ -91,7 +85,7 @@ export function openPicture({ store, view, connection }) {
           label: "An animated picture from the flat print to the exact shape, beside the design file",
           testid: "animate",
           disabled: store.get("badge").kind !== "exact",
-          onclick: () => (connection.send("animate"), element.close()),
+          onclick: () => (actions.animate(), element.close()),
         }),
       ),
     ),

@@ -25,41 +25,24 @@ export function selectionPanel({ store, edits, actions }, { on }) {
   const act = (text, run, testid) => button({ text, testid, onclick: run });
   const select = (keys) => store.set({ selection: new Set(keys) });
   const sheet = () => store.get("sheet");
+  const wanted = (holds) => () => select(sheet().stars.filter(holds).map((star) => star.key));
   const grow = h(
     "div",
     { class: "row wrap" },
-    act("All", () => select(sheet().stars.map((star) => star.key)), "select-all"),
+    act("All", actions.selectAll, "select-all"),
     act("Ring", () => select(stars().flatMap((star) => ringKeys(sheet(), star))), "select-ring"),
     act("Same size", () => select(sameSizeKeys(sheet(), store.get("selection"))), "select-same"),
-    act(
-      "Invert",
-      () =>
-        select(
-          sheet()
-            .stars.map((star) => star.key)
-            .filter((key) => !store.get("selection").has(key)),
-        ),
-      "select-invert",
-    ),
-    act(
-      "Painted",
-      () =>
-        select(
-          sheet()
-            .stars.filter((star) => star.painted)
-            .map((star) => star.key),
-        ),
-      "select-painted",
-    ),
+    act("Invert", wanted((star) => !store.get("selection").has(star.key)), "select-invert"),
+    act("Painted", wanted((star) => star.painted), "select-painted"),
   );
   const selecting = segments({
     label: "What a click or a lasso does",
     testid: "selecting",
-    options: [
-      { value: "new", text: "New" },
-      { value: "more", text: "Add", title: "Add (Shift)" },
-      { value: "less", text: "Take away", title: "Take away (Alt)" },
-    ],
+    options: {
+      new: "New",
+      more: { text: "Add", title: "Add (Shift)" },
+      less: { text: "Take away", title: "Take away (Alt)" },
+    },
     value: store.get("selecting"),
     onchange: (value) => store.set({ selecting: value }),
   });
@@ -74,12 +57,7 @@ export function selectionPanel({ store, edits, actions }, { on }) {
     button({ text: "Copy sizes", keys: "Ctrl+C", testid: "copy-sizes", onclick: actions.copySizes }),
     paste,
   );
-  const chosen = h(
-    "div",
-    {},
-    fields.map((one) => one.element),
-    change,
-  );
+  const chosen = h("div", {}, fields.map((one) => one.element), change);
   function update() {
     const all = stars();
     title.firstChild.textContent = all.length ? `${plural(all.length, "star")} selected` : "No star selected";

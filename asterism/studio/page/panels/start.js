@@ -1,6 +1,6 @@
 // The start screen: designs to begin with.
 
-import { button, h, refresh, replace } from "../dom.js";
+import { button, h, refresh, replace, section } from "../dom.js";
 import { plural, size } from "../format.js";
 import { icon } from "../icons.js";
 
@@ -34,26 +34,20 @@ export function buildStart(element, { store, connection, actions }) {
     };
   }
 
-  function card(design) {
-    const picture = h("img", { src: `gallery/${design.name}.png`, alt: "" });
-    const shot = h("div", { class: "shot" }, picture);
-    picture.addEventListener("error", () => shot.replaceChildren(icon("outline")));
-    return h(
+  const card = ({ kind = "", testid, shot, name, title, about, onclick }) =>
+    h(
       "button",
-      {
-        type: "button",
-        class: "card",
-        testid: `gallery-${design.name}`,
-        onclick: opening(() => actions.open({ gallery: design.name })),
-      },
-      shot,
-      h(
-        "div",
-        { class: "about" },
-        h("strong", { title: design.title }, titled(design.name)),
-        h("span", {}, `${design.rods ? plural(design.rods, "rod") : plural(design.stars, "star")}${design.size_mm ? `, ${size(design.size_mm)}` : ""}`),
-      ),
+      { type: "button", class: `card ${kind}`, testid, onclick },
+      h("div", { class: "shot" }, shot),
+      h("div", { class: "about" }, h("strong", { title }, name), h("span", {}, about)),
     );
+
+  function example({ name, title, stars, rods, size_mm: extent }) {
+    const shot = h("img", { src: `gallery/${name}.png`, alt: "" });
+    shot.addEventListener("error", () => shot.replaceWith(icon("outline")));
+    const about = `${rods ? plural(rods, "rod") : plural(stars, "star")}, ${size(extent)}`;
+    const onclick = opening(() => actions.open({ gallery: name }));
+    return card({ testid: `gallery-${name}`, shot, name: titled(name), title, about, onclick });
   }
 
   /** The design files of the folder; the rest of the page stays as it is when they change. */
@@ -62,18 +56,14 @@ export function buildStart(element, { store, connection, actions }) {
     refresh(inFolder, [files, left], () =>
       files.length
         ? [
-            h("h2", { class: "section" }, "In this folder"),
+            section("In this folder"),
             h(
               "div",
               { class: "row wrap" },
-              files.map((name) =>
-                button({
-                  icon: "open",
-                  text: name,
-                  testid: `file-${name}`,
-                  onclick: opening(() => actions.open({ name })),
-                }),
-              ),
+              files.map((name) => {
+                const onclick = opening(() => actions.open({ name }));
+                return button({ icon: "open", text: name, testid: `file-${name}`, onclick });
+              }),
             ),
             left
               ? h(
@@ -82,7 +72,7 @@ export function buildStart(element, { store, connection, actions }) {
                   `Not listed: ${plural(left, "older design")} of this folder. The command “asterism studio NAME.toml” opens one.`,
                 )
               : null,
-            h("h2", { class: "section" }, "Examples"),
+            section("Examples"),
           ]
         : [],
     );
@@ -100,18 +90,24 @@ export function buildStart(element, { store, connection, actions }) {
     const key = JSON.stringify([designs, hasDocument]);
     if (built === key) return;
     built = key;
-    const blank = h(
-      "button",
-      { type: "button", class: "card blank", testid: "new", onclick: opening(actions.startNew) },
-      h("div", { class: "shot" }, icon("plus")),
-      h("div", { class: "about" }, h("strong", {}, "New sheet"), h("span", {}, "A hexagon of 37 stars to paint")),
-    );
-    const drawn = h(
-      "button",
-      { type: "button", class: "card blank", testid: "new-drawing", onclick: actions.chooseDrawing },
-      h("div", { class: "shot" }, icon("upload")),
-      h("div", { class: "about" }, h("strong", {}, "From a drawing"), h("span", {}, "SVG, DXF or 3DM")),
-    );
+    const blank = card({
+      kind: "blank",
+      testid: "new",
+      shot: icon("plus"),
+      name: "New sheet",
+      about: "A hexagon of 37 stars to paint",
+      onclick: opening(actions.startNew),
+    });
+    const drawn = card({
+      kind: "blank",
+      testid: "new-drawing",
+      shot: icon("upload"),
+      name: "From a drawing",
+      about: "SVG, DXF or 3DM",
+      onclick: actions.chooseDrawing,
+    });
+    const first = FIRST.map((name) => designs.find((design) => design.name === name)).filter(Boolean);
+    const cards = (...all) => h("div", { class: "cards" }, all);
     replace(
       element,
       h(
@@ -143,20 +139,11 @@ export function buildStart(element, { store, connection, actions }) {
           ),
         ),
         inFolder,
-        h(
-          "div",
-          { class: "cards" },
-          blank,
-          drawn,
-          designs
-            .filter(({ name }) => FIRST.includes(name))
-            .sort((a, b) => FIRST.indexOf(a.name) - FIRST.indexOf(b.name))
-            .map(card),
-        ),
-        h("h2", { class: "section" }, "Other patterns"),
-        h("div", { class: "cards" }, designs.filter(({ rods }) => rods).map(card)),
-        h("h2", { class: "section" }, "Studies of one size"),
-        h("div", { class: "cards" }, designs.filter(({ name, rods }) => !rods && !FIRST.includes(name)).map(card)),
+        cards(blank, drawn, first.map(example)),
+        section("Other patterns"),
+        cards(designs.filter(({ rods }) => rods).map(example)),
+        section("Studies of one size"),
+        cards(designs.filter(({ name, rods }) => !rods && !FIRST.includes(name)).map(example)),
       ),
     );
   }

@@ -1,6 +1,6 @@
 // Part of the shape's panel: the target surface, how far the sheet is from it, and where it stands.
 
-import { button, check, choice, h, hint, refresh, section } from "../dom.js";
+import { button, check, choice, figures, h, hint, labelled, refresh, section } from "../dom.js";
 import { mm, size } from "../format.js";
 
 const UNITS = { mm: "Millimetres", cm: "Centimetres", m: "Metres", in: "Inches" };
@@ -43,24 +43,20 @@ export function targetPart({ store, connection, actions }, { on }) {
     const unit = choice({
       label: "Unit of the file",
       testid: "target-unit",
-      options: Object.entries(UNITS).map(([value, text]) => ({ value, text })),
+      options: UNITS,
       value: target.unit,
       onchange: (value) => place({ unit: value }),
     });
     return [
       h("p", { class: "hint", testid: "target-name" }, `${target.name}, ${target.triangles} triangles`),
-      h(
-        "dl",
-        { class: "figures", testid: "target-distance" },
-        rows.map(([name, value]) => [h("dt", {}, name), h("dd", {}, value)]),
-      ),
+      figures(rows, "target-distance"),
       check({
         text: "Show it as a ghost",
         value: store.get("showTarget"),
         testid: "show-target",
         onchange: (value) => store.set({ showTarget: value }),
       }).element,
-      h("div", { class: "field" }, h("label", {}, "Unit of the file"), unit.element),
+      labelled("Unit of the file", unit),
       h(
         "div",
         { class: "row wrap" },

@@ -5,6 +5,19 @@ import { icon } from "../icons.js";
 import { fitBrushToRods } from "./brush.js";
 import { toast } from "./toasts.js";
 
+// by their testids, which are also icons and actions unless these are named
+const BUTTONS = {
+  undo: { label: "Undo", keys: "Ctrl+Z" },
+  redo: { label: "Redo", keys: "Ctrl+Shift+Z" },
+  history: { label: "Earlier states", run: "openHistory" },
+  open: { text: "Open", keys: "Ctrl+O", run: "openStart" },
+  save: { text: "Save", keys: "Ctrl+S" },
+  report: { text: "Report" },
+  export: { text: "Export", keys: "Ctrl+E", run: "openExport" },
+  verify: { text: "Verify", kind: "primary" },
+  theme: { icon: "moon", label: "Light or dark", run: "switchTheme" },
+};
+
 export function buildTop(element, { store, actions }) {
   const name = h("input", {
     "aria-label": "Name of the design file",
@@ -24,62 +37,13 @@ export function buildTop(element, { store, actions }) {
     else if (wanted) actions.saveAs(wanted);
   });
   const saved = h("span", { class: "saved", testid: "saved", role: "status" });
-  const undo = button({
-    icon: "undo",
-    label: "Undo",
-    keys: "Ctrl+Z",
-    kind: "plain",
-    testid: "undo",
-    onclick: actions.undo,
-  });
-  const redo = button({
-    icon: "redo",
-    label: "Redo",
-    keys: "Ctrl+Shift+Z",
-    kind: "plain",
-    testid: "redo",
-    onclick: actions.redo,
-  });
-  const past = button({
-    icon: "history",
-    label: "Earlier states",
-    kind: "plain",
-    testid: "history",
-    onclick: actions.openHistory,
-  });
-  const open = button({
-    icon: "open",
-    text: "Open",
-    keys: "Ctrl+O",
-    kind: "plain",
-    testid: "open",
-    onclick: actions.openStart,
-  });
-  const save = button({
-    icon: "save",
-    text: "Save",
-    keys: "Ctrl+S",
-    kind: "plain",
-    testid: "save",
-    onclick: actions.save,
-  });
-  const report = button({ icon: "report", text: "Report", kind: "plain", testid: "report", onclick: actions.report });
-  const files = button({
-    icon: "export",
-    text: "Export",
-    keys: "Ctrl+E",
-    kind: "plain",
-    testid: "export",
-    onclick: actions.openExport,
-  });
-  const verify = button({ icon: "verify", text: "Verify", kind: "primary", testid: "verify", onclick: actions.verify });
-  const theme = button({
-    icon: "moon",
-    label: "Light or dark",
-    kind: "plain",
-    testid: "theme",
-    onclick: actions.switchTheme,
-  });
+  const buttons = Object.fromEntries(
+    Object.entries(BUTTONS).map(([testid, { run = testid, kind = "plain", ...rest }]) => [
+      testid,
+      button({ icon: testid, testid, kind, onclick: actions[run], ...rest }),
+    ]),
+  );
+  const { undo, redo, history, open, save, report, export: files, verify, theme } = buttons;
   element.append(
     h("span", { class: "brand", title: "asterism studio" }, icon("logo")),
     h("span", { class: "name" }, name),
@@ -87,7 +51,7 @@ export function buildTop(element, { store, actions }) {
     h("span", { class: "gap" }),
     undo,
     redo,
-    past,
+    history,
     h("span", { class: "rule" }),
     open,
     save,
@@ -100,7 +64,7 @@ export function buildTop(element, { store, actions }) {
   function update() {
     const document = store.get("document");
     const isRunning = Object.keys(store.get("jobs")).length > 0; // one job runs at a time
-    for (const one of [save, files, past]) one.disabled = !document;
+    for (const one of [save, files, history]) one.disabled = !document;
     for (const one of [report, verify]) one.disabled = !document || isRunning;
     undo.disabled = !document?.can_undo;
     redo.disabled = !document?.can_redo;
@@ -122,22 +86,25 @@ export function buildTop(element, { store, actions }) {
 
 /** The strip of tools on the left. */
 export function buildTools(element, { store, tools, actions }) {
-  const buttons = Object.entries(tools).map(([name, { title, icon: picture, keys }]) => {
-    const one = h(
+  const toolButton = ({ picture, text, title, keys, role, testid, onclick }) =>
+    h(
       "button",
       {
         type: "button",
         class: "tool",
-        role: "radio",
+        role,
         title: `${title} (${keys})`,
         "aria-label": title,
         "aria-keyshortcuts": keys,
-        testid: `tool-${name}`,
-        onclick: () => actions.choose(name),
+        testid,
+        onclick,
       },
       icon(picture),
-      h("span", {}, title),
+      h("span", {}, text),
     );
+  const buttons = Object.entries(tools).map(([name, { title, keys }]) => {
+    const onclick = () => actions.choose(name);
+    const one = toolButton({ picture: name, text: title, title, keys, role: "radio", testid: `tool-${name}`, onclick });
     one.dataset.tool = name;
     return one;
   });
@@ -147,22 +114,7 @@ export function buildTools(element, { store, tools, actions }) {
     ["table", "Table", "Table of stars", "T", actions.openTable, "open-table"],
     ["upload", "Import", "Put a drawing on the sheet: SVG, DXF or 3DM", "I", actions.chooseDrawing, "import-drawing"],
     ["help", "Help", "Keys and help", "?", actions.openHelp, "open-help"],
-  ].map(([picture, name, title, keys, onclick, testid]) =>
-    h(
-      "button",
-      {
-        type: "button",
-        class: "tool",
-        title: `${title} (${keys})`,
-        "aria-label": title,
-        "aria-keyshortcuts": keys,
-        testid,
-        onclick,
-      },
-      icon(picture),
-      h("span", {}, name),
-    ),
-  );
+  ].map(([picture, text, title, keys, onclick, testid]) => toolButton({ picture, text, title, keys, testid, onclick }));
   element.append(group, h("span", { class: "gap" }), ...more);
   const [table] = more;
   const update = () => {

@@ -1,11 +1,9 @@
 // Panel of the brush of weights: where a fit comes nearer to the target.
 
-import { button, h, hint, refresh, segments } from "../dom.js";
+import { button, h, hint, refresh } from "../dom.js";
 import { plural } from "../format.js";
 import { STRONG } from "../plan/weights.js";
-import { RADII, brushOn } from "../sheet.js";
-import { symmetry } from "./brush.js";
-import { numberField } from "./fields.js";
+import { brushParts, symmetry } from "./brush.js";
 
 const MODES = {
   paint: {
@@ -15,43 +13,18 @@ const MODES = {
   },
   erase: { text: "Erase", title: "Erase weights", says: "Places without a weight count once." },
 };
-const WEIGHT = { unit: "×", step: 0.1, digits: 2, min: 0.1, max: STRONG }; // the design file allows more
-const RADIUS = { min: RADII[0], max: RADII[1], step: 0.5 };
-const STRENGTH = { unit: "%", min: 1, max: 100, step: 1 };
 
 export function weightPanel({ store, actions, edits }, { on }) {
-  const brush = () => brushOn(store.get("sheet"), store.get("weightBrush"));
-  const change = (patch) => store.set({ weightBrush: { ...store.get("weightBrush"), ...patch } });
-  const mode = segments({
-    label: "Brush mode",
-    testid: "weight-mode",
-    options: Object.entries(MODES).map(([value, { text, title }]) => ({ value, text, title })),
-    value: brush().mode,
-    onchange: (value) => change({ mode: value }),
-  });
-  const says = hint("");
-  const field = (label, key, testid, options, factor = 1) =>
-    numberField({
-      label,
-      testid,
-      value: factor * brush()[key],
-      slider: true,
-      onchange: (value) => change({ [key]: value / factor }),
-      ...options,
-    });
-  const weight = field("Weight", "weight", "weight", WEIGHT);
-  const radius = field("Radius", "radius", "weight-radius", RADIUS);
-  const strength = field("Strength", "strength", "weight-strength", STRENGTH, 100);
+  const parts = brushParts({ store }, { setting: "weightBrush", modes: MODES, prefix: "weight-" });
+  const { brush, mode, says, field, radius, strength } = parts;
+  // the design file allows more
+  const weight = field("Weight", "weight", { testid: "weight", unit: "×", step: 0.1, digits: 2, min: 0.1, max: STRONG });
   const below = h("div", {});
 
   function update() {
-    const { mode: way } = brush();
-    says.textContent = MODES[way].says;
-    mode.set(way);
+    parts.update();
     weight.set(brush().weight);
-    radius.set(brush().radius);
-    strength.set(Math.round(100 * brush().strength));
-    weight.element.hidden = strength.element.hidden = way === "erase";
+    weight.element.hidden = strength.element.hidden = brush().mode === "erase";
     const weighed = store.get("sheet")?.stars.filter((star) => star.weight !== 1).map((star) => star.key) ?? [];
     const { target } = store.get("state");
     refresh(below, [weighed, Boolean(target), Boolean(store.get("document"))], () => [

@@ -5,7 +5,7 @@ import { QUANTITIES, fixed } from "../format.js";
 import { nice } from "../geometry.js";
 import { drawPrintArea, tooLarge } from "./print_area.js";
 import { drawSupports } from "./supports.js";
-import { polyline } from "./tools/common.js";
+import { disc, polyline, segments, stroke } from "./tools/common.js";
 import { drawWeights } from "./weights.js";
 
 export function drawPlan(context, plan) {
@@ -49,33 +49,19 @@ function drawPaper(paint) {
     context.restore();
   }
   sheetPath(paint);
-  context.lineWidth = 1.5;
-  context.strokeStyle = colour("ink");
   context.lineJoin = "round";
-  context.stroke();
+  stroke(context, { colour: colour("ink"), width: 1.5 });
 }
 
 /** Lines every 10 mm (1, 2 or 5 mm where there is room), every tenth stronger. */
 function drawGrid({ context, plan, sheet, colour }) {
   const step = nice(14 / plan.scale);
   const { low, high } = sheet.box;
-  for (const [axis, other] of [
-    [0, 1],
-    [1, 0],
-  ]) {
+  for (const axis of [0, 1]) {
     for (let k = Math.ceil(low[axis] / step); k * step <= high[axis]; k++) {
-      const ends = [low, high].map((corner) => {
-        const point = [0, 0];
-        point[axis] = k * step;
-        point[other] = corner[other];
-        return plan.toScreen(point).map((value) => Math.round(value) + 0.5);
-      });
-      context.beginPath();
-      context.moveTo(...ends[0]);
-      context.lineTo(...ends[1]);
-      context.lineWidth = 1;
-      context.strokeStyle = colour(k % 5 === 0 ? "grid-strong" : "grid");
-      context.stroke();
+      const end = (corner) => plan.toScreen(corner.with(axis, k * step)).map((value) => Math.round(value) + 0.5);
+      segments(context, [[end(low), end(high)]]);
+      stroke(context, { colour: colour(k % 5 === 0 ? "grid-strong" : "grid") });
     }
   }
 }
@@ -103,11 +89,7 @@ function drawStars(paint) {
     context.strokeStyle = entry ? sizeColour((star.sizes[entry.column] - domain[0]) / (domain[1] - domain[0])) : ink;
     context.globalAlpha = star.isReset ? 0.45 : 1;
     context.lineWidth = Math.max(1, star.sizes[2] * plan.scale);
-    context.beginPath();
-    for (const [from, to] of star.arms) {
-      context.moveTo(...plan.toScreen(from));
-      context.lineTo(...plan.toScreen(to));
-    }
+    segments(context, star.arms.map((arm) => arm.map((end) => plan.toScreen(end))));
     context.stroke();
     context.globalAlpha = 1;
   }
@@ -139,17 +121,13 @@ function drawRods(paint) {
 /** A small cross where a star was removed, a dot where its arms are too short to print. */
 function drawVacant({ context, plan, colour }, star, x, y) {
   const reach = Math.max(2, Math.min(4, plan.scale));
-  context.strokeStyle = context.fillStyle = colour("ink-soft");
-  context.lineWidth = 1;
-  context.beginPath();
   if (star.removed) {
-    context.moveTo(x - reach, y - reach);
-    context.lineTo(x + reach, y + reach);
-    context.moveTo(x + reach, y - reach);
-    context.lineTo(x - reach, y + reach);
-    context.stroke();
+    const corner = (a, b) => [x + a * reach, y + b * reach];
+    segments(context, [[corner(-1, -1), corner(1, 1)], [corner(1, -1), corner(-1, 1)]]);
+    stroke(context, { colour: colour("ink-soft") });
   } else {
-    context.arc(x, y, 1.5, 0, 2 * Math.PI);
+    disc(context, [x, y], 1.5);
+    context.fillStyle = colour("ink-soft");
     context.fill();
   }
 }
@@ -170,43 +148,29 @@ function drawHatchLegend(paint) {
 
 function hatch({ context, colour }, [x, y], radius) {
   context.save();
-  context.beginPath();
-  context.arc(x, y, radius, 0, 2 * Math.PI);
+  disc(context, [x, y], radius);
   context.clip();
-  context.strokeStyle = colour("warn");
-  context.globalAlpha = 0.8;
-  context.lineWidth = 1;
-  context.beginPath();
-  for (let k = -radius; k <= radius; k += 5) {
-    context.moveTo(x + k - radius, y + radius);
-    context.lineTo(x + k + radius, y - radius);
-  }
-  context.stroke();
+  const lines = [];
+  for (let k = -radius; k <= radius; k += 5) lines.push([[x + k - radius, y + radius], [x + k + radius, y - radius]]);
+  segments(context, lines);
+  stroke(context, { colour: colour("warn"), alpha: 0.8 });
   context.restore();
 }
 
 /** Selection, hover and keyboard star, warnings' ring. */
 function drawMarks(paint) {
   const { context, plan, sheet, store, colour } = paint;
-  const radius = 0.5 * sheet.spacing * plan.scale;
+  const radius = Math.max(6, 0.5 * sheet.spacing * plan.scale - 2);
   const accent = colour("accent");
-  const ring = (star, width, dash = []) => {
-    const [x, y] = plan.toScreen(star.at);
-    context.beginPath();
-    context.arc(x, y, Math.max(6, radius - 2), 0, 2 * Math.PI);
-    context.setLineDash(dash);
-    context.lineWidth = width;
-    context.strokeStyle = accent;
-    context.stroke();
-    context.setLineDash([]);
+  const ring = (star, width, dash) => {
+    disc(context, plan.toScreen(star.at), radius);
+    stroke(context, { colour: accent, width, dash });
   };
   const isQuiet = !["select", "brush"].includes(store.get("tool"));
   for (const key of store.get("selection")) {
     const star = sheet.byKey.get(key);
     if (!star) continue;
-    const [x, y] = plan.toScreen(star.at);
-    context.beginPath();
-    context.arc(x, y, Math.max(6, radius - 2), 0, 2 * Math.PI);
+    disc(context, plan.toScreen(star.at), radius);
     context.fillStyle = accent;
     context.globalAlpha = isQuiet ? 0.06 : 0.14;
     context.fill();
@@ -223,14 +187,8 @@ function drawMarks(paint) {
 function drawPulse({ context, plan, colour }) {
   const { at, start, duration, still } = plan.pulse;
   const part = still ? 0.5 : (((performance.now() - start) / duration) * 2) % 1;
-  const [x, y] = plan.toScreen(at);
-  context.beginPath();
-  context.arc(x, y, 10 + 22 * part, 0, 2 * Math.PI);
-  context.globalAlpha = 1 - 0.8 * part;
-  context.lineWidth = 3;
-  context.strokeStyle = colour("warn");
-  context.stroke();
-  context.globalAlpha = 1;
+  disc(context, plan.toScreen(at), 10 + 22 * part);
+  stroke(context, { colour: colour("warn"), width: 3, alpha: 1 - 0.8 * part });
 }
 
 function drawScaleBar(paint) {
@@ -238,16 +196,8 @@ function drawScaleBar(paint) {
   const length = nice(70 / plan.scale);
   const [x, y] = [16, plan.canvas.clientHeight - 16];
   const end = x + length * plan.scale;
-  context.strokeStyle = colour("muted");
-  context.lineWidth = 1.5;
-  context.beginPath();
-  context.moveTo(x, y - 4);
-  context.lineTo(x, y + 4);
-  context.moveTo(x, y);
-  context.lineTo(end, y);
-  context.moveTo(end, y - 4);
-  context.lineTo(end, y + 4);
-  context.stroke();
+  segments(context, [[[x, y - 4], [x, y + 4]], [[x, y], [end, y]], [[end, y - 4], [end, y + 4]]]);
+  stroke(context, { colour: colour("muted"), width: 1.5 });
   label(paint, `${Number(length.toPrecision(2))} mm`, [x, y - 10], "left", "muted");
 }
 

@@ -3,7 +3,7 @@
 import { fixed } from "../format.js";
 import { bounds } from "../geometry.js";
 import { label } from "./draw.js";
-import { polyline } from "./tools/common.js";
+import { polyline, stroke } from "./tools/common.js";
 
 /** The area that the printer reaches and the frame of the fabric, centred on the sheet's box. */
 export function drawPrintArea(paint) {
@@ -31,18 +31,9 @@ const isLarger = (size, room) => size[0] > room[0] || size[1] > room[1];
 function drawRoom(paint, size, dash, title, fault) {
   const { context, plan, sheet, colour } = paint;
   const [cx, cy] = sheet.box.centre;
-  const corners = [
-    [-1, -1],
-    [1, -1],
-    [1, 1],
-    [-1, 1],
-  ].map(([a, b]) => [cx + (a * size[0]) / 2, cy + (b * size[1]) / 2]);
+  const corners = [[-1, -1], [1, -1], [1, 1], [-1, 1]].map(([a, b]) => [cx + (a * size[0]) / 2, cy + (b * size[1]) / 2]);
   polyline(context, plan, corners, true);
-  context.setLineDash(dash);
-  context.lineWidth = 1.5;
-  context.strokeStyle = colour(fault ? "bad" : "line-strong");
-  context.stroke();
-  context.setLineDash([]);
+  stroke(context, { colour: colour(fault ? "bad" : "line-strong"), width: 1.5, dash });
   const [x, y] = plan.toScreen(corners[0]);
   const text = `${title} ${fixed(size[0], 0)} × ${fixed(size[1], 0)} mm${fault ? `: ${fault}` : ""}`;
   label(paint, text, [x + 4, y + 14], "left", fault ? "bad" : "muted");

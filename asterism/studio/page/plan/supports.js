@@ -3,6 +3,7 @@
 import { fixed } from "../format.js";
 import { membersOf, pointsOf, targetsOf } from "../supports.js";
 import { label } from "./draw.js";
+import { disc, segments, stroke } from "./tools/common.js";
 
 export function drawSupports(paint) {
   const { context, plan, sheet, store, colour } = paint;
@@ -18,13 +19,10 @@ export function drawSupports(paint) {
       const place = targets[k];
       const [x, y] = plan.toScreen(point);
       if (isTool && place) drawTarget(paint, [x, y], plan.toScreen(place), isChosen);
-      context.beginPath();
-      context.arc(x, y, isChosen ? 6.5 : 5, 0, 2 * Math.PI);
+      disc(context, [x, y], isChosen ? 6.5 : 5);
       context.fillStyle = colour("needle");
       context.fill();
-      context.lineWidth = 2;
-      context.strokeStyle = isChosen ? colour("accent") : colour("paper");
-      context.stroke();
+      stroke(context, { colour: colour(isChosen ? "accent" : "paper"), width: 2 });
       if (isTool && place?.[2]) label(paint, `z ${fixed(place[2])}`, [x + 9, y - 7], "left", "needle");
     });
   });
@@ -32,23 +30,12 @@ export function drawSupports(paint) {
 
 /** Where a needle takes its point: a thin line and a cross. */
 function drawTarget({ context, colour }, from, to, isChosen) {
-  context.strokeStyle = colour("needle");
-  context.globalAlpha = isChosen ? 1 : 0.6;
-  context.lineWidth = 1;
-  context.setLineDash([3, 3]);
-  context.beginPath();
-  context.moveTo(...from);
-  context.lineTo(...to);
-  context.stroke();
-  context.setLineDash([]);
-  context.lineWidth = 1.5;
-  context.beginPath();
-  context.moveTo(to[0] - 4, to[1]);
-  context.lineTo(to[0] + 4, to[1]);
-  context.moveTo(to[0], to[1] - 4);
-  context.lineTo(to[0], to[1] + 4);
-  context.stroke();
-  context.globalAlpha = 1;
+  const pen = { colour: colour("needle"), alpha: isChosen ? 1 : 0.6 };
+  segments(context, [[from, to]]);
+  stroke(context, { ...pen, dash: [3, 3] });
+  const [x, y] = to;
+  segments(context, [[[x - 4, y], [x + 4, y]], [[x, y - 4], [x, y + 4]]]);
+  stroke(context, { ...pen, width: 1.5 });
 }
 
 function drawHeldEdge(paint, a, b) {
@@ -58,18 +45,13 @@ function drawHeldEdge(paint, a, b) {
   if (length < 1) return;
   const along = [(to[0] - from[0]) / length, (to[1] - from[1]) / length];
   const out = [-along[1], along[0]];
-  context.strokeStyle = colour("needle");
-  context.lineWidth = 2.5;
-  context.beginPath();
-  context.moveTo(...from);
-  context.lineTo(...to);
-  context.stroke();
-  context.lineWidth = 1;
-  context.beginPath();
+  segments(context, [[from, to]]);
+  stroke(context, { colour: colour("needle"), width: 2.5 });
+  const barbs = [];
   for (let k = 4; k < length; k += 8) {
     const [x, y] = [from[0] + k * along[0], from[1] + k * along[1]];
-    context.moveTo(x, y);
-    context.lineTo(x + 5 * (out[0] - along[0] * 0.7), y + 5 * (out[1] - along[1] * 0.7));
+    barbs.push([[x, y], [x + 5 * (out[0] - along[0] * 0.7), y + 5 * (out[1] - along[1] * 0.7)]]);
   }
-  context.stroke();
+  segments(context, barbs);
+  stroke(context, { colour: colour("needle") });
 }

@@ -1,7 +1,7 @@
 // Weights of places in a fit, as discs under the stars: the darker, the nearer the fit comes there.
 
 import { clamp } from "../geometry.js";
-import { polyline } from "./tools/common.js";
+import { disc, polyline, stroke } from "./tools/common.js";
 
 export const STRONG = 20; // weights from here on have the full colour
 const LEAST_ALPHA = 0.1;
@@ -14,17 +14,11 @@ export function drawWeights({ context, plan, sheet, colour }) {
   context.save();
   polyline(context, plan, sheet.outline, true);
   context.clip();
-  context.fillStyle = context.strokeStyle = colour("weight");
+  context.fillStyle = colour("weight");
   for (const star of weighed) {
-    const [x, y] = plan.toScreen(star.at);
-    context.beginPath();
-    context.arc(x, y, Math.max(2, radius - 1), 0, 2 * Math.PI);
+    disc(context, plan.toScreen(star.at), Math.max(2, radius - 1));
     if (star.weight < 1) {
-      // such a place counts less
-      context.setLineDash([2, 4]);
-      context.lineWidth = 1.5;
-      context.stroke();
-      context.setLineDash([]);
+      stroke(context, { colour: colour("weight"), width: 1.5, dash: [2, 4] }); // such a place counts less
       continue;
     }
     const share = clamp(Math.log(star.weight) / Math.log(STRONG), 0, 1);

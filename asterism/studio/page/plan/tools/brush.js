@@ -20,7 +20,7 @@ export class BrushTool extends StrokeTool {
     if (paints && quantity === "thickness" && this.store.get("planColour") === "none") {
       this.store.set({ planColour: "thickness" });
     }
-    const { design } = this.store.get("sheet");
+    const { design } = this.sheet;
     this.#kept = namesWithOwn(design, QUANTITIES[quantity].key);
     super.down(event);
   }

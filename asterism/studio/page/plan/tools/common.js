@@ -1,6 +1,24 @@
-// What several tools share: pointer pictures, snapping, keys of stars.
+// What several tools share: the sheet and the keyboard's star, snapping, lines and discs of the plan.
 
 import { distance, nearestOnSegment, roundPoint } from "../../geometry.js";
+
+/** A tool of the plan. It has a `hint`, and takes pointers in printed mm: down, move, up, cancel, hover, leave. */
+export class PlanTool {
+  cursor = "crosshair";
+
+  constructor({ plan, store, edits }) {
+    Object.assign(this, { plan, store, edits });
+  }
+
+  get sheet() {
+    return this.store.get("sheet");
+  }
+
+  /** The star of the keyboard. */
+  get star() {
+    return this.sheet?.byKey.get(this.store.get("cursor"));
+  }
+}
 
 const SNAP_PX = 9;
 const GRID_MM = 1;
@@ -42,18 +60,35 @@ export function starsWithin(sheet, places, radius) {
   return found;
 }
 
-export function circle(context, plan, centre, radiusMm) {
-  const [x, y] = plan.toScreen(centre);
+/** A disc on the screen, as the path to be filled or drawn. */
+export function disc(context, [x, y], radius) {
   context.beginPath();
-  context.arc(x, y, Math.max(1, radiusMm * plan.scale), 0, 2 * Math.PI);
+  context.arc(x, y, radius, 0, 2 * Math.PI);
+}
+
+export const circle = (context, plan, centre, radiusMm) =>
+  disc(context, plan.toScreen(centre), Math.max(1, radiusMm * plan.scale));
+
+/** Pieces of lines on the screen, [from, to] each, as the path to be drawn. */
+export function segments(context, pieces) {
+  context.beginPath();
+  for (const [from, to] of pieces) {
+    context.moveTo(...from);
+    context.lineTo(...to);
+  }
+}
+
+/** Draws along the path with a pen. */
+export function stroke(context, { colour, width = 1, dash = [], alpha = 1 }) {
+  Object.assign(context, { strokeStyle: colour, lineWidth: width, globalAlpha: alpha });
+  context.setLineDash(dash);
+  context.stroke();
+  context.setLineDash([]);
+  context.globalAlpha = 1;
 }
 
 export function polyline(context, plan, points, isClosed = false) {
   context.beginPath();
-  points.forEach((point, k) => {
-    const [x, y] = plan.toScreen(point);
-    if (k) context.lineTo(x, y);
-    else context.moveTo(x, y);
-  });
+  points.forEach((point, k) => context[k ? "lineTo" : "moveTo"](...plan.toScreen(point)));
   if (isClosed) context.closePath();
 }

@@ -3,21 +3,16 @@
 import { distance, roundPoint, round } from "../../geometry.js";
 import { QUANTITIES, fixed } from "../../format.js";
 import { sizeAt, sizeTarget, sizeTargets } from "../../sheet.js";
-import { circle, polyline } from "./common.js";
+import { PlanTool, circle, disc, polyline, stroke } from "./common.js";
 import { label } from "../draw.js";
 
 const GRIP_PX = 12;
 
-export class GradientTool {
-  cursor = "crosshair";
+export class GradientTool extends PlanTool {
   settings = { quantity: "length", kind: "radial", from: 10, to: 4, power: 1 };
   #line = null;
   #end = -1; // which end is dragged
   #begun = null; // first end of a line by keyboard
-
-  constructor({ plan, store, edits }) {
-    Object.assign(this, { plan, store, edits });
-  }
 
   get hint() {
     const isOfRods = this.path !== "stars";
@@ -26,12 +21,12 @@ export class GradientTool {
 
   /** Path of what gets sizes in the design file. */
   get path() {
-    return sizeTarget(this.store.get("sheet")?.design ?? {}, this.store.get("sizesOf"));
+    return sizeTarget(this.sheet?.design ?? {}, this.store.get("sizesOf"));
   }
 
   /** Takes the profile that the design has. */
   read() {
-    const sheet = this.store.get("sheet");
+    const sheet = this.sheet;
     const profile = sheet && sizeAt(sheet.design, this.path, QUANTITIES[this.settings.quantity].key).value;
     this.#line = this.#begun = null;
     if (profile?.profile === "radial") {
@@ -75,7 +70,7 @@ export class GradientTool {
     this.#end = -1;
     this.edits.end();
     if (distance(...this.#line) > 1) return;
-    const rod = this.store.get("sheet").rodTargetAt(this.#line[0], this.plan.px(GRIP_PX) / 2);
+    const rod = this.sheet.rodTargetAt(this.#line[0], this.plan.px(GRIP_PX) / 2);
     this.read();
     if (rod) this.store.set({ sizesOf: rod }); // a click chooses a rod
   }
@@ -89,7 +84,7 @@ export class GradientTool {
 
   /** Enter at a star begins the line there, and ends it at another one. */
   key(event) {
-    const star = this.store.get("sheet").byKey.get(this.store.get("cursor"));
+    const { star } = this;
     if (event.key !== "Enter" || !star) return false;
     const at = roundPoint(star.at, 1);
     if (this.#begun && distance(this.#begun, at) > 1) {
@@ -115,13 +110,13 @@ export class GradientTool {
     const profile = { profile: kind, from, to, ...(power === 1 ? {} : { power }) };
     if (kind === "radial") Object.assign(profile, { over_mm: round(over, 2), centre_mm: start });
     else Object.assign(profile, { start_mm: start, end_mm: end });
-    this.edits.design(sizeChanges(this.store.get("sheet").design, this.path, quantity, profile));
+    this.edits.design(sizeChanges(this.sheet.design, this.path, quantity, profile));
     if (this.path === "stars") this.#show(start, end, over);
   }
 
   /** From the centre to the right end, or from end to end. */
   #wholeSheet(kind) {
-    const { low, high, centre } = this.store.get("sheet").box;
+    const { low, high, centre } = this.sheet.box;
     const start = kind === "radial" ? centre : [low[0], centre[1]];
     return [roundPoint(start, 1), roundPoint([high[0], centre[1]], 1)];
   }
@@ -131,7 +126,7 @@ export class GradientTool {
     const { quantity, kind, from, to, power } = this.settings;
     const along = [(end[0] - start[0]) / over, (end[1] - start[1]) / over];
     const values = new Map();
-    for (const star of this.store.get("sheet").stars) {
+    for (const star of this.sheet.stars) {
       const off = [star.at[0] - start[0], star.at[1] - start[1]];
       const way = kind === "radial" ? Math.hypot(...off) : off[0] * along[0] + off[1] * along[1];
       const share = Math.min(Math.max(way / over, 0), 1) ** power;
@@ -142,14 +137,12 @@ export class GradientTool {
 
   /** A line along the rods that get the sizes, if that is not all of them. */
   #drawChosen(context, plan, colour) {
-    const sheet = this.store.get("sheet");
+    const sheet = this.sheet;
     const target = sheet && sizeTargets(sheet.design).find(({ path }) => path === this.path);
     if (!target?.name) return;
-    context.strokeStyle = colour("accent");
-    context.lineWidth = 2;
     for (const rod of sheet.rods.filter(({ name }) => name === target.name)) {
       polyline(context, plan, rod.points_mm);
-      context.stroke();
+      stroke(context, { colour: colour("accent"), width: 2 });
     }
   }
 
@@ -159,29 +152,19 @@ export class GradientTool {
     const [start, end] = this.#line;
     const { kind, from, to, quantity } = this.settings;
     const { digits } = QUANTITIES[quantity];
-    context.strokeStyle = colour("accent");
-    context.lineWidth = 2;
+    const pen = { colour: colour("accent"), width: 2 };
     polyline(context, plan, [start, end]);
-    context.stroke();
+    stroke(context, pen);
     if (kind === "radial") {
       circle(context, plan, start, distance(start, end));
-      context.lineWidth = 1;
-      context.setLineDash([5, 4]);
-      context.stroke();
-      context.setLineDash([]);
+      stroke(context, { ...pen, width: 1, dash: [5, 4] });
     }
-    for (const [point, value] of [
-      [start, from],
-      [end, to],
-    ]) {
+    for (const [point, value] of [[start, from], [end, to]]) {
       const [x, y] = plan.toScreen(point);
-      context.beginPath();
-      context.arc(x, y, 6, 0, 2 * Math.PI);
+      disc(context, [x, y], 6);
       context.fillStyle = colour("paper");
       context.fill();
-      context.lineWidth = 2;
-      context.strokeStyle = colour("accent");
-      context.stroke();
+      stroke(context, pen);
       label({ context, colour }, `${fixed(value, digits)} mm`, [x + 10, y - 10], "left", "accent");
     }
   }

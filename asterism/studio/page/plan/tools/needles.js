@@ -17,7 +17,7 @@ import {
   withShifted,
   withoutNeedle,
 } from "../../supports.js";
-import { edgesOf, snapped } from "./common.js";
+import { PlanTool, disc, edgesOf, snapped, stroke } from "./common.js";
 import { label } from "../draw.js";
 
 const GRIP_PX = 12;
@@ -25,14 +25,9 @@ const LIFT_STEP_MM = 1;
 const SAME_PLACE_MM = 0.5;
 const LEAST_STEP_MM = 4; // from a needle to its copy
 
-export class NeedleTool {
-  cursor = "crosshair";
+export class NeedleTool extends PlanTool {
   #drag = null;
   #ghost = null;
-
-  constructor({ plan, store, edits }) {
-    Object.assign(this, { plan, store, edits });
-  }
 
   get hint() {
     return "Click: a needle\u00a0· drag it or its cross\u00a0· Shift+drag lifts\u00a0· Ctrl+click chooses several";
@@ -40,17 +35,14 @@ export class NeedleTool {
 
   /** The needle (or its cross) under the pointer. */
   #under(event) {
-    const sheet = this.store.get("sheet");
+    const sheet = this.sheet;
     const reach = this.plan.px(event.isTouch ? 2 * GRIP_PX : GRIP_PX);
     let best = null;
     sheet.tables.forEach((table, number) => {
       const shown = sheet.pins[number];
       const targets = targetsOf(table, shown);
       pointsOf(table, shown).forEach((at, point) => {
-        for (const [part, place] of [
-          ["point", at],
-          ["target", targets[point]],
-        ]) {
+        for (const [part, place] of Object.entries({ point: at, target: targets[point] })) {
           const away = place ? distance(event.at, place) : Infinity;
           if (away < reach && (!best || away < best.away))
             best = { table: number, point, part, away, at, target: targets[point] };
@@ -61,7 +53,7 @@ export class NeedleTool {
   }
 
   down(event) {
-    const sheet = this.store.get("sheet");
+    const sheet = this.sheet;
     const hit = this.#under(event);
     if (hit) {
       const one = { table: hit.table, point: isPoints(sheet.tables[hit.table]) ? hit.point : null };
@@ -77,25 +69,17 @@ export class NeedleTool {
     }
     this.edits.begin();
     const { at } = this.#snap(event);
-    const scale = usualScale(sheet);
-    const { tables, support } = withNeedle(sheet.tables, sheet.pins, at, [scale * at[0], scale * at[1], 0]);
+    const target = this.#target(at);
+    const { tables, support } = withNeedle(sheet.tables, sheet.pins, at, target);
     this.store.set({ support });
-    this.#drag = {
-      ...support,
-      part: "point",
-      at,
-      target: [scale * at[0], scale * at[1], 0],
-      start: at,
-      pixel: event.pixel,
-      scale,
-    };
+    this.#drag = { ...support, part: "point", at, target, start: at, pixel: event.pixel, scale: usualScale(sheet) };
     this.#send(tables);
   }
 
   move(event) {
     if (!this.#drag) return;
     const { part, at, target, start, pixel, scale, members, tables, pins } = this.#drag;
-    const sheet = this.store.get("sheet");
+    const sheet = this.sheet;
     const height = Math.max(0, Math.round(2 * (target[2] + this.plan.px(pixel[1] - event.pixel[1]))) / 2);
     if (members) {
       const step = event.shift ? [0, 0, height - target[2]] : [event.at[0] - start[0], event.at[1] - start[1], 0];
@@ -152,8 +136,7 @@ export class NeedleTool {
 
   /** A needle at the star of the keyboard, or the needle that is there. */
   placeAtStar() {
-    const sheet = this.store.get("sheet");
-    const star = sheet.byKey.get(this.store.get("cursor"));
+    const { sheet, star } = this;
     if (!star) return false;
     const there = this.#under({ at: star.at });
     if (there && distance(there.at, star.at) < SAME_PLACE_MM) {
@@ -169,12 +152,12 @@ export class NeedleTool {
 
   /** Where the needle of a printed place stands at first. */
   #target(at) {
-    const scale = usualScale(this.store.get("sheet"));
+    const scale = usualScale(this.sheet);
     return [scale * at[0], scale * at[1], 0];
   }
 
   lift(step) {
-    const sheet = this.store.get("sheet");
+    const sheet = this.sheet;
     const members = membersOf(this.store.get("support")).filter(({ table }) => sheet.tables[table]);
     if (!members.length) return false;
     this.edits.once(() => this.#send(withShifted(sheet.tables, sheet.pins, members, [0, 0, step])));
@@ -183,7 +166,7 @@ export class NeedleTool {
 
   /** The chosen needles once more, nearer to the middle of the sheet; the copies are chosen. */
   duplicate() {
-    const sheet = this.store.get("sheet");
+    const sheet = this.sheet;
     const members = membersOf(this.store.get("support")).filter(({ table }) => isPoints(sheet.tables[table] ?? {}));
     if (!members.length) return;
     const [x, y] = sheet.tables[members[0].table].points_mm[members[0].point];
@@ -196,7 +179,7 @@ export class NeedleTool {
   }
 
   remove() {
-    const sheet = this.store.get("sheet");
+    const sheet = this.sheet;
     const members = membersOf(this.store.get("support")).filter(({ table }) => sheet.tables[table]);
     if (!members.length) return false;
     members.sort((one, other) => other.table - one.table || other.point - one.point); // numbers before stay
@@ -207,7 +190,7 @@ export class NeedleTool {
   }
 
   #snap(event) {
-    const sheet = this.store.get("sheet");
+    const sheet = this.sheet;
     const points = [
       ...sheet.outline.map((at) => ({ at, kind: "corner" })),
       ...sheet.printed.map((star) => ({ at: star.at, kind: "star" })),
@@ -221,29 +204,19 @@ export class NeedleTool {
 
   draw(context, plan, colour) {
     if (this.#drag && !this.#drag.members) {
-      const sheet = this.store.get("sheet");
+      const sheet = this.sheet;
       const table = sheet.tables[this.#drag.table];
       if (!table?.points_mm?.[this.#drag.point]) return;
       const [x, y] = plan.toScreen(table.points_mm[this.#drag.point]);
       const place = targetsOf(table, sheet.pins[this.#drag.table])[this.#drag.point];
-      label(
-        { context, colour },
-        `to ${place.map((value) => fixed(value)).join(", ")} mm`,
-        [x + 12, y + 20],
-        "left",
-        "needle",
-      );
+      const said = `to ${place.map((value) => fixed(value)).join(", ")} mm`;
+      label({ context, colour }, said, [x + 12, y + 20], "left", "needle");
     } else if (this.#ghost) {
       const [x, y] = plan.toScreen(this.#ghost.at);
-      context.beginPath();
-      context.arc(x, y, 5, 0, 2 * Math.PI);
-      context.strokeStyle = colour("needle");
-      context.lineWidth = 1.5;
-      context.stroke();
-      const said =
-        this.#ghost.kind && this.#ghost.kind !== "grid"
-          ? this.#ghost.kind
-          : this.#ghost.at.map((value) => fixed(value)).join(", ");
+      disc(context, [x, y], 5);
+      stroke(context, { colour: colour("needle"), width: 1.5 });
+      const { kind, at } = this.#ghost;
+      const said = kind && kind !== "grid" ? kind : at.map((value) => fixed(value)).join(", ");
       label({ context, colour }, said, [x + 10, y - 8], "left", "muted");
     }
   }

@@ -4,7 +4,7 @@
 import { borderOf, circleOf, curvesOf, holesOf, leavesFabric, withCurve, withHole, withoutHole } from "../../border.js";
 import { clamp, crossesItself, distance, ellipse, isInside, nearestEdge, nearestIndex, roundPoint } from "../../geometry.js";
 import { toast } from "../../panels/toasts.js";
-import { circle, polyline, snapped } from "./common.js";
+import { PlanTool, circle, disc, polyline, snapped, stroke } from "./common.js";
 import { label } from "../draw.js";
 import { fixed } from "../../format.js";
 
@@ -13,38 +13,33 @@ const CLICK_PX = 4;
 const LEAST_RADIUS_MM = 2; // of a hole that is drawn
 const MAX_ASPECT = 20; // of the half axes of an ellipse
 
-export class OutlineTool {
-  cursor = "crosshair";
+export class OutlineTool extends PlanTool {
   #corners = null; // while a corner is dragged
   #index = -1;
   #drag = null; // of a curve, or of a new hole without one: {curve, part, start, sheet}, the sheet before
   #edge = null;
 
-  constructor({ plan, store, edits }) {
-    Object.assign(this, { plan, store, edits });
-  }
-
   get hint() {
-    const isRound = this.store.get("sheet")?.design.border?.circle_mm;
+    const isRound = this.sheet?.design.border?.circle_mm;
     const outline = isRound ? "Drag handles\u00a0· Shift: one axis" : "Drag corners\u00a0· click an edge to add one";
     return `${outline}\u00a0· drag in the sheet: a hole`;
   }
 
   /** Corners of the outline; a circle has none. */
   corners() {
-    const { design, outline } = this.store.get("sheet") ?? { outline: [] };
+    const { design, outline } = this.sheet ?? { outline: [] };
     return design?.border?.circle_mm ? [] : outline.map((corner) => [...corner]);
   }
 
   /** The selected hole, as `curvesOf` has it. */
   chosenHole() {
     const hole = this.store.get("hole");
-    return hole === null ? undefined : curvesOf(this.store.get("sheet")).find((curve) => curve.hole === hole);
+    return hole === null ? undefined : curvesOf(this.sheet).find((curve) => curve.hole === hole);
   }
 
   /** Handles of the curves: all of the outline, which is moved at an end, of the selected hole, the centres of others. */
   #handles() {
-    return curvesOf(this.store.get("sheet")).flatMap((curve) => {
+    return curvesOf(this.sheet).flatMap((curve) => {
       const { hole, axes } = curve;
       const [x, y] = curve.centre;
       const handles = [{ curve, part: "centre", at: hole === null ? [x - axes[0], y] : [x, y] }];
@@ -65,7 +60,7 @@ export class OutlineTool {
     if (handle.distance < reach) return handles[handle.index];
     const edge = nearestEdge(event.at, corners);
     if (edge?.distance < reach) return { edge };
-    const curve = curvesOf(this.store.get("sheet")).find(({ hole, ring }) => hole !== null && isInside(event.at, ring));
+    const curve = curvesOf(this.sheet).find(({ hole, ring }) => hole !== null && isInside(event.at, ring));
     return curve ? { curve, part: "centre" } : {};
   }
 
@@ -79,7 +74,7 @@ export class OutlineTool {
       this.#send();
     } else {
       this.store.set({ corner: null, hole: curve?.hole ?? null });
-      this.#drag = { curve, part, start: event.at, sheet: this.store.get("sheet") };
+      this.#drag = { curve, part, start: event.at, sheet: this.sheet };
     }
   }
 
@@ -140,13 +135,13 @@ export class OutlineTool {
 
   /** The outline, or a hole, at another place or with other half axes. */
   setCurve(curve, change) {
-    const sheet = this.store.get("sheet");
+    const sheet = this.sheet;
     return this.#once(sheet, [() => withCurve(sheet, curve, { ...curve, ...change })], curve.hole);
   }
 
   /** A round hole at the star of the keyboard, or as near to the middle of the sheet as there is room. */
   addHole(star = null) {
-    const sheet = this.store.get("sheet");
+    const sheet = this.sheet;
     const radius = Math.max(LEAST_RADIUS_MM, Math.round(0.4 * sheet.spacing));
     const stars = sheet.stars.map(({ at }) => at).sort((a, b) => distance(a, sheet.centre) - distance(b, sheet.centre));
     const places = star ? [star.at] : [sheet.centre, ...stars];
@@ -155,7 +150,7 @@ export class OutlineTool {
   }
 
   removeHole() {
-    const sheet = this.store.get("sheet");
+    const sheet = this.sheet;
     this.edits.once((edits) => edits.design(...withoutHole(sheet, this.chosenHole())));
     this.store.set({ hole: null, support: null }); // the number of a support may have changed
   }
@@ -173,12 +168,12 @@ export class OutlineTool {
 
   #send() {
     const corners = this.#corners.map((corner) => [...corner]);
-    const border = borderOf(this.store.get("sheet").design, { polygon_mm: corners.map((corner) => roundPoint(corner)) });
+    const border = borderOf(this.sheet.design, { polygon_mm: corners.map((corner) => roundPoint(corner)) });
     this.edits.design({ border }, { outline: corners });
   }
 
   hover(event) {
-    if (!this.store.get("sheet")) return;
+    if (!this.sheet) return;
     const { corner, edge, curve } = this.#under(event);
     this.#edge = edge?.point ?? null;
     this.plan.canvas.style.cursor = edge ? "copy" : corner !== undefined || curve ? "move" : "crosshair";
@@ -191,7 +186,8 @@ export class OutlineTool {
   }
 
   key(event) {
-    const [corner, star] = [this.store.get("corner"), this.store.get("sheet").byKey.get(this.store.get("cursor"))];
+    const { star } = this;
+    const corner = this.store.get("corner");
     const hole = this.chosenHole();
     const step = { "+": 1, "=": 1, "-": -1 }[event.key];
     if (event.key === "Insert" && corner !== null) return this.addCorner(corner);
@@ -232,7 +228,7 @@ export class OutlineTool {
   }
 
   setBorder(shape, corners = null) {
-    const border = borderOf(this.store.get("sheet").design, shape);
+    const border = borderOf(this.sheet.design, shape);
     this.edits.once((edits) => edits.design({ border }, corners ? { outline: corners } : {}));
   }
 
@@ -247,29 +243,25 @@ export class OutlineTool {
       context.fillRect(x - 4.5, y - 4.5, 9, 9);
       context.strokeRect(x - 4.5, y - 4.5, 9, 9);
     }
-    context.setLineDash([2, 4]);
-    for (const star of this.store.get("sheet").stars.filter(({ isCut }) => isCut)) {
-      circle(context, plan, star.at, 0.46 * this.store.get("sheet").spacing);
-      context.strokeStyle = colour("warn");
-      context.stroke();
+    for (const star of this.sheet.stars.filter(({ isCut }) => isCut)) {
+      circle(context, plan, star.at, 0.46 * this.sheet.spacing);
+      stroke(context, { colour: colour("warn"), width: 2, dash: [2, 4] });
     }
-    context.setLineDash([]);
-    context.strokeStyle = colour("accent");
     const hole = this.chosenHole();
     if (hole) {
       polyline(context, plan, hole.ring, true);
-      context.stroke();
+      stroke(context, { colour: colour("accent"), width: 2 });
     }
     for (const { part, at } of this.#handles()) dot(paint, plan.toScreen(at), part === "centre" ? "accent" : "paper");
     if (this.#edge) dot(paint, plan.toScreen(this.#edge), "accent");
     if (this.#corners) {
       const at = this.#corners[this.#index];
-      drawCross(context, plan, at);
+      drawCross(paint, plan, at);
       const [x, y] = plan.toScreen(at);
       label(paint, `${fixed(at[0])}, ${fixed(at[1])} mm`, [x + 12, y - 12], "left", "accent");
     } else if (this.#drag && this.edits.isOpen) {
       const hole = this.store.get("hole");
-      const curve = curvesOf(this.store.get("sheet")).find((one) => one.hole === hole);
+      const curve = curvesOf(this.sheet).find((one) => one.hole === hole);
       if (!curve) return;
       const [x, y] = plan.toScreen(curve.centre);
       const said = this.#drag.part === "centre" ? `${curve.centre.map((value) => fixed(value)).join(", ")} mm` : sizeOf(curve);
@@ -285,29 +277,19 @@ export function sizeOf({ axes, ring }) {
   return width === height ? `⌀ ${width} mm` : `${width} × ${height} mm`;
 }
 
-function dot({ context, colour }, [x, y], fill) {
-  context.beginPath();
-  context.arc(x, y, 5, 0, 2 * Math.PI);
+function dot({ context, colour }, place, fill) {
+  disc(context, place, 5);
   context.fillStyle = colour(fill);
   context.fill();
-  context.stroke();
+  stroke(context, { colour: colour("accent"), width: 2 });
 }
 
 /** Lines through a place, for the eye. */
-function drawCross(context, plan, [px, py]) {
-  context.globalAlpha = 0.4;
-  context.lineWidth = 1;
-  for (const [dx, dy] of [
-    [3000, 0],
-    [0, 3000],
-  ]) {
-    polyline(context, plan, [
-      [px - dx, py - dy],
-      [px + dx, py + dy],
-    ]);
-    context.stroke();
+function drawCross({ context, colour }, plan, [x, y]) {
+  for (const [dx, dy] of [[3000, 0], [0, 3000]]) {
+    polyline(context, plan, [[x - dx, y - dy], [x + dx, y + dy]]);
+    stroke(context, { colour: colour("accent"), alpha: 0.4 });
   }
-  context.globalAlpha = 1;
 }
 
 /** The table of a regular shape of a size, in mm. */

@@ -2,17 +2,12 @@
 
 import { distance } from "../../geometry.js";
 import { fixed, mm } from "../../format.js";
-import { polyline, snapped } from "./common.js";
+import { PlanTool, polyline, segments, snapped, stroke } from "./common.js";
 import { label } from "../draw.js";
 
-export class RulerTool {
-  cursor = "crosshair";
+export class RulerTool extends PlanTool {
   #line = null;
   #isDown = false;
-
-  constructor({ plan, store }) {
-    Object.assign(this, { plan, store });
-  }
 
   get hint() {
     return "Drag to measure\u00a0· Alt: no snapping";
@@ -37,7 +32,7 @@ export class RulerTool {
 
   /** Enter measures from one star to another. */
   key(event) {
-    const star = this.store.get("sheet").byKey.get(this.store.get("cursor"));
+    const { star } = this;
     if (event.key !== "Enter" || !star) return false;
     this.#line = this.#isDown ? [this.#line[0], star.at] : [star.at, star.at];
     this.#isDown = !this.#isDown;
@@ -53,7 +48,7 @@ export class RulerTool {
   }
 
   #snap(event) {
-    const sheet = this.store.get("sheet");
+    const sheet = this.sheet;
     const points = [...sheet.outline, ...sheet.stars.map((star) => star.at)].map((at) => ({ at, kind: "point" }));
     return snapped(event, this.plan, { points }).at;
   }
@@ -61,18 +56,13 @@ export class RulerTool {
   draw(context, plan, colour) {
     if (!this.#line || distance(...this.#line) === 0) return;
     const [a, b] = this.#line;
-    context.strokeStyle = colour("accent");
-    context.lineWidth = 2;
+    const pen = { colour: colour("accent"), width: 2 };
     polyline(context, plan, this.#line);
-    context.stroke();
+    stroke(context, pen);
     const [ends, length] = [[plan.toScreen(a), plan.toScreen(b)], distance(a, b)];
     const across = [(-(b[1] - a[1]) / length) * 6, (-(b[0] - a[0]) / length) * 6];
-    context.beginPath();
-    for (const [x, y] of ends) {
-      context.moveTo(x - across[0], y - across[1]);
-      context.lineTo(x + across[0], y + across[1]);
-    }
-    context.stroke();
+    segments(context, ends.map(([x, y]) => [[x - across[0], y - across[1]], [x + across[0], y + across[1]]]));
+    stroke(context, pen);
     const angle = (Math.atan2(b[1] - a[1], b[0] - a[0]) * 180) / Math.PI;
     const middle = [(ends[0][0] + ends[1][0]) / 2 + 10, (ends[0][1] + ends[1][1]) / 2 - 10];
     label({ context, colour }, `${mm(length)}, ${fixed(angle, 0)}°`, middle, "left", "accent");

@@ -1,17 +1,13 @@
 // Selection: click or lasso, with Shift also, with Alt no longer; double click for the ring.
 
 import { distance, isInside } from "../../geometry.js";
-import { polyline } from "./common.js";
+import { PlanTool, polyline, stroke } from "./common.js";
 
 const CLICK_PX = 4;
 
-export class SelectTool {
+export class SelectTool extends PlanTool {
   cursor = "default";
   #path = null;
-
-  constructor({ plan, store }) {
-    Object.assign(this, { plan, store });
-  }
 
   get hint() {
     return "Click or lasso\u00a0· Shift adds\u00a0· Alt takes away\u00a0· double click: the ring";
@@ -31,7 +27,7 @@ export class SelectTool {
     if (!this.#path) return;
     const path = this.#path;
     this.#path = null;
-    const sheet = this.store.get("sheet");
+    const sheet = this.sheet;
     const isLasso = Math.max(...path.map((at) => distance(at, path[0]))) > this.plan.px(CLICK_PX);
     let keys;
     if (isLasso) keys = sheet.stars.filter((star) => isInside(star.at, path)).map((star) => star.key);
@@ -46,13 +42,13 @@ export class SelectTool {
   }
 
   double(event) {
-    const sheet = this.store.get("sheet");
+    const sheet = this.sheet;
     const star = sheet.starAt(event.at);
     if (star) this.#select(ringKeys(sheet, star), event, false);
   }
 
   hover(event) {
-    const star = this.store.get("sheet")?.starAt(event.at);
+    const star = this.sheet?.starAt(event.at);
     this.store.set({ hover: star?.key ?? null });
   }
 
@@ -71,12 +67,7 @@ export class SelectTool {
     context.fillStyle = colour("accent");
     context.globalAlpha = 0.08;
     context.fill();
-    context.globalAlpha = 1;
-    context.strokeStyle = colour("accent");
-    context.lineWidth = 1.5;
-    context.setLineDash([4, 3]);
-    context.stroke();
-    context.setLineDash([]);
+    stroke(context, { colour: colour("accent"), width: 1.5, dash: [4, 3] });
   }
 }
 
@@ -100,11 +91,7 @@ export function ringKeys(sheet, star) {
 /** Stars with the same sizes as any of the selected ones. */
 export function sameSizeKeys(sheet, keys) {
   const text = (star) => star.sizes.map((value) => value.toFixed(2)).join(" ");
-  const wanted = new Set(
-    [...keys]
-      .map((key) => sheet.byKey.get(key))
-      .filter(Boolean)
-      .map(text),
-  );
+  const chosen = [...keys].map((key) => sheet.byKey.get(key)).filter(Boolean);
+  const wanted = new Set(chosen.map(text));
   return sheet.stars.filter((star) => wanted.has(text(star))).map((star) => star.key);
 }

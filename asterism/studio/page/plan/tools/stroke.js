@@ -3,7 +3,7 @@
 import { between, clamp, distance, images } from "../../geometry.js";
 import { RADII, brushOn } from "../../sheet.js";
 import { label } from "../draw.js";
-import { circle, polyline, starsWithin } from "./common.js";
+import { PlanTool, circle, disc, polyline, starsWithin, stroke } from "./common.js";
 
 const DAB_SHARE = 0.2; // distance of two dabs over the radius
 const NONE = new Set();
@@ -14,19 +14,20 @@ const FALLOFF_STEPS = 8; // discs of the ring, one in the other, that show how a
 const reachOf = (weight) => Math.sqrt(1 - Math.sqrt(weight));
 
 /** A tool that paints. It has a radius under its `setting` in the store, `dab(at, event)` and `said()`. */
-export class StrokeTool {
+export class StrokeTool extends PlanTool {
   cursor = "none";
   #at = null;
   #last = null; // end of the last stroke, for straight lines
   #isDown = false;
   #way = 0;
 
-  constructor({ plan, store, edits }, setting) {
-    Object.assign(this, { plan, store, edits, setting });
+  constructor(studio, setting) {
+    super(studio);
+    this.setting = setting;
   }
 
   get brush() {
-    return brushOn(this.store.get("sheet"), this.store.get(this.setting));
+    return brushOn(this.sheet, this.store.get(this.setting));
   }
 
   /** A pen that is pressed less paints less. */
@@ -67,7 +68,7 @@ export class StrokeTool {
 
   /** Enter paints at the star of the keyboard; with Shift in a straight line from the last place. */
   key(event) {
-    const star = this.store.get("sheet").byKey.get(this.store.get("cursor"));
+    const { star } = this;
     if (event.key !== "Enter" || !star) return false;
     this.down({ at: star.at, shift: event.shiftKey, alt: false });
     this.up();
@@ -77,7 +78,7 @@ export class StrokeTool {
 
   hover(event) {
     this.#at = event.at;
-    const star = this.store.get("sheet")?.starAt(event.at);
+    const star = this.sheet?.starAt(event.at);
     this.store.set({ hover: star?.key ?? null, under: this.#under() });
     this.plan.invalidate();
   }
@@ -135,16 +136,11 @@ export class StrokeTool {
         context.fill();
       }
       circle(context, plan, place, radius);
-      context.globalAlpha = k ? 0.5 : 1;
-      context.strokeStyle = colour("accent");
-      context.lineWidth = 1.5;
-      context.stroke();
-      context.globalAlpha = 1;
+      stroke(context, { colour: colour("accent"), width: 1.5, alpha: k ? 0.5 : 1 });
     });
     const [x, y] = plan.toScreen(this.#at);
     context.fillStyle = colour("accent");
-    context.beginPath();
-    context.arc(x, y, 2, 0, 2 * Math.PI);
+    disc(context, [x, y], 2);
     context.fill();
     label({ context, colour }, this.said(), [x + 10, y - 8], "left", "accent");
     drawAxes(context, plan, colour, symmetry);
@@ -158,18 +154,9 @@ function drawAxes(context, plan, colour, { mirrorX, mirrorY, sixfold }) {
   if (mirrorX) angles.push(90);
   if (mirrorY) angles.push(0);
   if (sixfold) angles.push(0, 60, 120);
-  context.strokeStyle = colour("accent");
-  context.globalAlpha = 0.35;
-  context.lineWidth = 1;
-  context.setLineDash([6, 6]);
   for (const degrees of angles) {
-    const [c, s] = [Math.cos((degrees * Math.PI) / 180), Math.sin((degrees * Math.PI) / 180)];
-    polyline(context, plan, [
-      [-reach * c, -reach * s],
-      [reach * c, reach * s],
-    ]);
-    context.stroke();
+    const end = [reach * Math.cos((degrees * Math.PI) / 180), reach * Math.sin((degrees * Math.PI) / 180)];
+    polyline(context, plan, [end.map((value) => -value), end]);
+    stroke(context, { colour: colour("accent"), dash: [6, 6], alpha: 0.35 });
   }
-  context.setLineDash([]);
-  context.globalAlpha = 1;
 }

@@ -22,8 +22,7 @@ export class WeightTool extends StrokeTool {
 
   /** + and − change the weight at the star of the keyboard. */
   key(event) {
-    const sheet = this.store.get("sheet");
-    const star = sheet.byKey.get(this.store.get("cursor"));
+    const { sheet, star } = this;
     const factor = { "+": KEY_FACTOR, "=": KEY_FACTOR, "-": 1 / KEY_FACTOR }[event.key];
     if (!factor) return super.key(event);
     if (star) {
@@ -35,7 +34,7 @@ export class WeightTool extends StrokeTool {
   }
 
   dab(at, event) {
-    const sheet = this.store.get("sheet");
+    const sheet = this.sheet;
     const { mode, radius, weight } = this.brush;
     const values = new Map();
     for (const { star, away } of starsWithin(sheet, images(at, this.store.get("symmetry")), radius)) {
@@ -62,7 +61,7 @@ export class WeightTool extends StrokeTool {
   }
 
   draw(context, plan, colour) {
-    const sheet = this.store.get("sheet");
+    const sheet = this.sheet;
     const reach = 0.5 * sheet.spacing * plan.scale;
     for (const star of reach < MIN_NUMBER_PX ? [] : sheet.stars) {
       if (star.weight === 1) continue;
