@@ -25,8 +25,7 @@ from asterism.pattern.layout.star_cells import outline as outline_of
 from asterism.pattern.layout.star_cells import star_cells
 from asterism.previews.session import Preview
 from asterism.shape.shape import Shape
-from asterism.studio.changes import check_files
-from asterism.studio.file_names import file_below
+from asterism.studio.file_names import check_files, file_below
 
 # designs whose previews are kept
 KEPT_PREVIEWS = 4

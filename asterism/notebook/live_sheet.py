@@ -12,10 +12,10 @@ from asterism.previews.session import Preview
 from asterism.previews.solve import EDIT_START
 from asterism.shape.shape import Shape
 from asterism.studio import frames
-from asterism.studio.engine_problem import engine_problem
+from asterism.studio.answers import engine_problem
 from asterism.studio.frames import frame_parts, mesh_bytes
 from asterism.studio.messages import Frame
-from asterism.studio.shape_frame import shape_messages
+from asterism.studio.sheet_frames import shape_messages
 from asterism.studio.sheet_view import SheetView
 
 # Values of the widget's traits that change together: `mesh` and `frame` as bytes, `panel` as a table.

@@ -21,8 +21,8 @@ from asterism.pattern.layout.layout import Layout
 from asterism.results.files import write_file
 from asterism.studio import star_sizes, weights
 from asterism.studio.autosave import Autosave, autosaves
-from asterism.studio.changes import check_files
 from asterism.studio.design_file import DesignTexts, check_unchanged, check_writable, file_text
+from asterism.studio.file_names import check_files
 from asterism.studio.history import History, Step, Thumbnails
 from asterism.studio.painted_field import Brush, PaintedField
 

@@ -35,8 +35,8 @@ from asterism.previews.other_forms import other_forms
 from asterism.previews.session import Preview, SearchLimitError, SnapshotError
 from asterism.previews.solve import EDIT_START, FORM_START
 from asterism.process.compiling import clock_without_compiling, signs_while_compiling
+from asterism.studio.answers import UNEXPECTED, blank_summary, engine_problem, rest_summary
 from asterism.studio.engine_frames import EQUILIBRIUM, EngineFrames
-from asterism.studio.engine_problem import UNEXPECTED, engine_problem
 from asterism.studio.inbox import Inbox, merged
 from asterism.studio.messages import (
     Busy,
@@ -59,7 +59,7 @@ from asterism.studio.search_bounds import (
     SearchBounds,
     Superseded,
 )
-from asterism.studio.summaries import blank_summary, rest_summary
+from asterism.studio.sheet_frames import blank_messages, printed_messages
 
 REST_S = 0.3  # without a message, after which the fine frame and the exact model follow
 
@@ -83,7 +83,7 @@ class Engine:
         self._printed: Design | None = None  # a design without a preview
         self._known: Edit | None = None
         self._design: Design | None = None
-        self._limits = EngineLimits()
+        self._limits_of: Any = None  # material and lattice of the last limits
         self._frames = EngineFrames(self._send)
         self._is_resting = True
         self._owes_search = False  # the shape went on from one with another outline, and may not be the lowest
@@ -172,8 +172,7 @@ class Engine:
             self._bounds.longest_s = MAX_DRAGGED_SEARCH_S
         design = self._parsed(edit, parsed)
         try:
-            if (limits := self._limits.changed(design, self._bounds.seq)) is not None:
-                self._send(limits)
+            self._tell_limits(design)
             self._show_design(design, edit)
         except BlankSheetError:
             self._show_blank(design)
@@ -181,6 +180,22 @@ class Engine:
             if without_law(design) is None:
                 raise
             self._show_printed(design)
+
+    def _tell_limits(self, design: Design) -> None:
+        """Send what the law of a design covers, if its material and lattice are others than before."""
+        key = (design.fabric, design.lattice, design.plastic, design.material)
+        if key == self._limits_of:
+            return
+        self._limits_of = None
+        ranges: dict[str, tuple[float, float]] = {}
+        stretches: tuple[float, ...] = ()
+        if design.stars is not None:  # cells of motifs are solved where the sizes are
+            law = law_of(design)
+            stretches = tuple(each for each in law.stretches if isinstance(each, float))
+            with suppress(ForeignLaw):  # so are cells of other fabrics
+                ranges = law.check(design).size_ranges
+        self._limits_of = key
+        self._send(Limits(self._bounds.seq, ranges, stretches))
 
     def _show_design(self, design: Design, edit: Edit) -> None:
         preview = self._preview
@@ -290,14 +305,14 @@ class Engine:
     def _show_blank(self, design: Design) -> None:
         """Send the flat sheet of a design without stars, and all that there is to know of it."""
         self._is_resting = True
-        self._frames.send_blank(design, self._bounds.seq)
+        self._frames.send_flat(blank_messages, design, self._bounds.seq)
         self._send(blank_summary(self._bounds.seq))
 
     def _show_printed(self, design: Design) -> None:
         """Send the flat sheet of a design that has no preview: the exact model has to compute it."""
         self._preview = None
         self._printed = design
-        self._frames.send_printed(design, self._bounds.seq)
+        self._frames.send_flat(printed_messages, design, self._bounds.seq)
 
     def _show_at_rest(self) -> None:
         preview, known, seq = self._preview, self._known, self._bounds.seq
@@ -330,33 +345,6 @@ class Engine:
             self._send(FormShape(seq, index, self._frames.form(preview, seq, trial.x)))
 
 
-class EngineLimits:
-    """Limits, where they differ from the last ones that were asked for."""
-
-    def __init__(self) -> None:
-        self._key: Any = None
-
-    def changed(self, design: Design, seq: int) -> Limits | None:
-        """The limits of a design; None if its material and lattice are those of the last one.
-
-        Raises
-        ------
-        DesignError, LawError
-            The file of the law cannot be read, or there is no law of such a design.
-        """
-        key = (design.fabric, design.lattice, design.plastic, design.material)
-        if key == self._key:
-            return None
-        if design.stars is None:
-            self._key = key
-            return Limits(seq, {}, ())  # cells of motifs are solved where the sizes are
-        self._key, law, ranges = None, law_of(design), {}
-        with suppress(ForeignLaw):  # cells of other fabrics are solved where the sizes are
-            ranges = law.check(design).size_ranges
-        self._key = key
-        return Limits(seq, ranges, tuple(each for each in law.stretches if isinstance(each, float)))
-
-
 def pattern_kinds(design: Design) -> tuple[bool, bool, bool]:
     """Whether the sheet has stars, lines that repeat on a lattice, and other lines. A preview is of one kind.
 
@@ -374,8 +362,7 @@ def run_engine(connection: Connection) -> None:
 
     Parameters
     ----------
-    connection : this process's end of a pipe, with the messages of `asterism.studio.messages` and
-        `asterism.studio.messages`.
+    connection : this process's end of a pipe, with the messages of `asterism.studio.messages`.
     """
     begun, lock = time.monotonic(), threading.Lock()
 

@@ -1,4 +1,4 @@
-"""Frames of the engine's shapes: on a coarse and a fine mesh, flat ones, and beside the target surface."""
+"""Frames of the engine's shapes: on a coarse and a fine mesh, and beside the target surface."""
 
 from __future__ import annotations
 
@@ -13,14 +13,9 @@ from asterism.measure.compare.nearest import NearestOnSurface
 from asterism.measure.compare.registration import register
 from asterism.measure.compare.scan import MAX_SCAN_POINTS, surface_samples
 from asterism.pattern.design.design import Design
-from asterism.pattern.layout.build import layout
-from asterism.pattern.layout.layout import Layout
-from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.previews.session import Preview
 from asterism.previews.solve import EDIT_START
-from asterism.shape.blank_sheet import blank_sheet
 from asterism.studio.messages import Frame, Parts, ShownMesh, StudioProblem, Surface, TargetDistance, TargetPose
-from asterism.studio.sheet_marks import STATIONS, SheetMarks, mesh_message, ribbon_stations
 from asterism.studio.sheet_view import SheetView
 
 EQUILIBRIUM = "equilibrium"
@@ -72,16 +67,12 @@ class EngineFrames:
         view.rotation = rotation
         return frame
 
-    def send_blank(self, design: Design, seq: int) -> None:
-        """Send the flat sheet of a design without stars."""
+    def send_flat(
+        self, messages: Callable[[Design, int, int], tuple[ShownMesh, Frame]], design: Design, seq: int
+    ) -> None:
+        """Send a flat sheet, that of `blank_messages` or of `printed_messages`."""
         self._meshes += 1
-        for message in blank_messages(design, self._meshes, seq):
-            self._send(message)
-
-    def send_printed(self, design: Design, seq: int) -> None:
-        """Send the flat, printed sheet of a pattern without a preview."""
-        self._meshes += 1
-        for message in printed_messages(design, layout(design), self._meshes, seq):
+        for message in messages(design, self._meshes, seq):
             self._send(message)
 
     def send_again(self, parts: Parts, preview: Preview | None, is_dragging: bool) -> None:
@@ -149,40 +140,3 @@ class TargetComparison:
         samples, _ = surface_samples(self._vertices, self._triangles, MAX_SCAN_POINTS, np.random.default_rng(0))
         best = register(samples, np.asarray(positions, dtype=float), np.asarray(triangles, dtype=np.int64))[0]
         return TargetPose(seq, best.rotation, best.shift)
-
-
-def blank_messages(design: Design, number: int, seq: int) -> tuple[ShownMesh, Frame]:
-    """The flat, released sheet of a design without stars: its mesh under a number, and its frame."""
-    shape = blank_sheet(design)
-    mesh = mesh_message(number, shape.printed, shape.triangles, np.empty(0, dtype=np.int64))
-    return mesh, _flat_frame(number, seq, "exact", shape.positions, None)
-
-
-def printed_messages(design: Design, layout: Layout, number: int, seq: int) -> tuple[ShownMesh, Frame]:
-    """The flat sheet as it is printed, with its rods."""
-    # edges of the triangles of a printed sheet over its diameter
-    edge = 0.05 * layout.diameter_mm
-    mesh = mesh_layout(layout, edge, design.mesh.kind, design.mesh.seed, draft=True)
-    positions = np.pad(mesh.points, ((0, 0), (0, 1)))
-    marks = SheetMarks(mesh.points, mesh.triangles)
-    shown = mesh_message(number, mesh.points, mesh.triangles, ribbon_stations(layout).site)
-    normals = np.tile(np.array([0.0, 0.0, 1.0]), (len(positions), 1))
-    return shown, _flat_frame(number, seq, "printed", positions, marks.ribbons(layout, positions, normals))
-
-
-def _flat_frame(number: int, seq: int, stage: str, positions: Floats, ribbons: tuple[Floats, Floats] | None) -> Frame:
-    """A flat sheet at positions (V, 3), with the ribbons of its rods."""
-    count, small = len(positions), np.float32
-    arms, arm_normals = ribbons or (np.empty((0, STATIONS, 3, 3)), np.empty((0, STATIONS, 3)))
-    return Frame(
-        seq=seq,
-        mesh=number,
-        stage=stage,
-        positions=positions.astype(small),
-        curvature=np.zeros(count, dtype=small),
-        strain=np.zeros(count, dtype=small),
-        arms=arms.astype(small),
-        arm_normals=arm_normals.astype(small),
-        needles=np.empty((0, 2, 3), dtype=small),
-        is_minimum=True,
-    )

@@ -81,12 +81,16 @@ class EngineLink:
         whole = edit if self._known is None else merged(self._known, edit)
         self._known = replace(whole, is_dragging=False)
         self._deaths = 0
-        self._ask(edit)
+        self.ask(edit)
 
     def ask(self, message: Any) -> None:
-        """Send `Flip`, `ShowForm` or `FitTarget`."""
-        self._ask(message)
-        self._changed()
+        """Send an `Edit` to be shown, `Flip`, `ShowForm` or `FitTarget`."""
+        self._search = {Flip: "flip", ShowForm: "form"}.get(type(message))
+        self._owes, self._asked = message.seq, time.monotonic()
+        self._set("computing" if self._child in self._loaded else "starting")
+        self._child.send(message)
+        if not isinstance(message, Edit):
+            self._changed()  # the search has a name
 
     def request_parts(self, parts: Parts) -> None:
         """Request these parts in all frames, also in those of an engine that replaces this one."""
@@ -102,12 +106,6 @@ class EngineLink:
         """Break off what the engine computes; the shown shape stays."""
         if self._owes is not None:
             self._child.send(Cancel(self._owes))
-
-    def _ask(self, message: Any) -> None:
-        self._search = {Flip: "flip", ShowForm: "form"}.get(type(message))
-        self._owes, self._asked = message.seq, time.monotonic()
-        self._set("computing" if self._child in self._loaded else "starting")
-        self._child.send(message)
 
     def _set(self, status: str) -> None:
         if status != self.status:
@@ -181,7 +179,7 @@ class EngineLink:
         if self._parts is not None:
             self._child.send(self._parts)
         if self._known is not None:
-            self._ask(self._known)
+            self.ask(self._known)
         self._start_spare()
 
     def close(self) -> None:

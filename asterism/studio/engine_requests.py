@@ -179,13 +179,14 @@ class FrameParts:
     ----------
     target : None without one.
     version : increases with every change of the target or its pose.
+    requested : what frames hold now.
     """
 
     def __init__(self, studio: StudioOwner) -> None:
         self._studio = studio
         self.target: Target | None = None
         self.version = 0
-        self._requested = Parts(0)
+        self.requested = Parts(0)
         self._fits: tuple[int, int] | None = None  # seq of the question, version of the target
 
     def show_bumps(self, tab: Tab, shown: bool) -> None:
@@ -193,21 +194,16 @@ class FrameParts:
         tab.is_smooth = not shown
         self.update()
 
-    @property
-    def is_smooth(self) -> bool:
-        """Whether a page shows the sheet without its bumps."""
-        return any(tab.is_smooth for tab in self._studio.tabs)
-
     def update(self) -> None:
         """Have the engine send what the open pages show."""
-        smooth = self.is_smooth
-        if smooth != self._requested.smooth:
+        smooth = any(tab.is_smooth for tab in self._studio.tabs)
+        if smooth != self.requested.smooth:
             self._request(smooth)
 
     def _request(self, smooth: bool) -> None:
         surface = None if self.target is None else self.target.surface
-        self._requested = Parts(self._studio.engine.last_seq, smooth, surface, self.version)
-        self._studio.engine.link.request_parts(self._requested)
+        self.requested = Parts(self._studio.engine.last_seq, smooth, surface, self.version)
+        self._studio.engine.link.request_parts(self.requested)
         self._studio.settling.show_again()
 
     def load(self, target: Target) -> None:
@@ -219,7 +215,7 @@ class FrameParts:
     def set_target(self, target: Target | None) -> None:
         """Show another target, or none."""
         self.target, self.version = target, self.version + 1
-        self._request(self._requested.smooth)
+        self._request(self.requested.smooth)
         self._studio.tell_state()
 
     def forget_target(self) -> None:

@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 from asterism.equilibrium.errors import Error
+from asterism.pattern.design.errors import DesignError
 
 MAX_NAME_CHARACTERS = 200
 
@@ -39,6 +42,31 @@ def file_below(folder: Path, name: str) -> Path:
     if any(part.startswith(".") or not part or ":" in part for part in parts) or not path.is_relative_to(root):
         raise FileNameError(f"{name!r} must be the name of a file below the design's folder")
     return path
+
+
+def check_files(value: Any, folder: Path) -> None:
+    """Refuse changes of a design that name files outside a folder: they come from a page, and such files are read.
+
+    Raises
+    ------
+    DesignError
+        A sizing profile, a drawing or an outline names a file that is not below the folder.
+    """
+    if isinstance(value, list):
+        for inner in value:
+            check_files(inner, folder)
+    if not isinstance(value, Mapping):
+        return
+    # a file is not read where its content is stored
+    is_read = not any(value.get(key) for key in ("grey", "lines", "rings_mm", "polygon_mm"))
+    for key, inner in value.items():
+        check_files(inner, folder)
+        name = key.rpartition(".")[2]
+        if name in ("image", "file") and isinstance(inner, str) and is_read:
+            try:
+                file_below(folder, inner)
+            except FileNameError as error:
+                raise DesignError(name, str(error)) from None
 
 
 def shown_path(path: Path) -> str:

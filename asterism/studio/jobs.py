@@ -15,7 +15,7 @@ from asterism.studio.child import Child, StartedProcess
 from asterism.studio.document import Document
 from asterism.studio.engine_requests import StudioOwner
 from asterism.studio.messages import VERIFIED, Fitted, JobProgress, Settled, StudioProblem, Written
-from asterism.studio.page_data import engine_problem_data, failure_data
+from asterism.studio.page_data import elsewhere, engine_problem_data, failure_data
 from asterism.studio.requests import Request, RequestError
 from asterism.studio.settling import job_numbers
 from asterism.studio.target import Target
@@ -28,11 +28,6 @@ PROCESSES = {
     "report": "asterism.studio.job_processes:run_report",
     "animate": "asterism.studio.job_processes:run_animation",
     "spread": "asterism.studio.job_processes:run_spread",
-}
-# arguments of `asterism.print.export.export` that a page may give
-_EXPORT_OPTIONS = {
-    *("printer", "plastic", "preview", "first_layer_mm", "layer_mm", "plate_mm"),
-    *("fabric_mm", "turn_deg", "needle_spacing_mm", "border"),
 }
 
 
@@ -113,7 +108,7 @@ class JobRequests:
                 printer = self._studio.printer
                 kind, arguments = "fit", (target.surface_of_file, target.name, request.hold, printer, weights)
             case ask.ExportRequest():
-                options = self._export_options(request)
+                options = {"printer": self._studio.printer, **request.options}
                 out = str(folder / f"{stem}-print")
                 kind, arguments = "export", (table, str(folder), out, options, exact)
             case ask.Simple(type="report"):
@@ -136,21 +131,6 @@ class JobRequests:
         at_begin = self._studio.parts.target
         folders = tuple(folder / f"{stem}{end}" for end in (VERIFIED, "-print"))
         self._running = RunningJob(number, kind, document, document.revision, at_begin, child, progress, folders)
-
-    def _export_options(self, request: ask.ExportRequest) -> dict[str, Any]:
-        options = {"printer": self._studio.printer, **request.options}
-        options |= {
-            key: value
-            for key, value in (("printer", request.printer), ("plastic", request.plastic))
-            if value is not None
-        }
-        if unknown := sorted(set(options) - _EXPORT_OPTIONS):
-            raise RequestError(f"export: {unknown[0]!r} is not one of {', '.join(sorted(_EXPORT_OPTIONS))}")
-        for name in ("printer", "plastic"):
-            # a name, never a file: names come from outside
-            if not isinstance(options.get(name, "x"), str) or not options.get(name, "x").replace("-", "").isalnum():
-                raise RequestError(f"export: {name} must be the name of a profile")
-        return options
 
     def cancel(self) -> None:
         """End the running job."""
@@ -193,8 +173,7 @@ class JobRequests:
         try:
             self._pass_on(job, message)
         except Exception as error:
-            studio.tell({**failure_data(error, None, f"a message of the job {job.kind}"), "job": job.kind})
-            studio.tell({"type": "result", "job": job.kind, "failed": True})
+            self._fail(job, failure_data(error, None, f"a message of the job {job.kind}"))
             studio.tell_state()
 
     def _pass_on(self, job: RunningJob, message: Any) -> None:
@@ -206,14 +185,10 @@ class JobRequests:
                 return
             case StudioProblem():
                 problem = engine_problem_data(message)
-                if other is not None:  # its field, stars and place are not those of the design that is open
-                    problem |= {"text": f"{other}: {message.text}", "field": "", "stars": (), "at_mm": None}
-                studio.tell({**problem, "job": job.kind})
-                studio.tell({"type": "result", "job": job.kind, "failed": True})
+                self._fail(job, problem if other is None else elsewhere(problem, f"{other}: {message.text}"))
             case Settled() if other is not None:
                 text = f"The verification of {other} is done; its files are beside that design."
-                studio.tell({"type": "note", "text": text})
-                studio.tell({"type": "result", "job": job.kind, "failed": True})
+                self._fail(job, {"type": "note", "text": text})
             case Settled():
                 if job.revision == job.document.revision:
                     studio.settling.cancel()
@@ -225,6 +200,11 @@ class JobRequests:
                 files = [Path(message.folder) / name for name in message.files]
                 self._finish(job, message.summary, files, message.warnings)
         studio.tell_state()
+
+    def _fail(self, job: RunningJob, why: dict[str, Any]) -> None:
+        """Tell pages that a job has no result to be shown, after the message that says why."""
+        self._studio.tell({**why, "job": job.kind} if why["type"] == "problem" else why)
+        self._studio.tell({"type": "result", "job": job.kind, "failed": True})
 
     def _finish(self, job: RunningJob, summary: dict[str, Any], files: list[Path], warnings: tuple[str, ...]) -> None:
         root = self._studio.folder
@@ -256,9 +236,8 @@ class JobRequests:
         async with studio.lock:
             document = studio.document
             if document is None or document is not job.document:
-                studio.tell({"type": "note", "text": "the fit is left out: another design was opened meanwhile"})
-                studio.tell({"type": "result", "job": "fit", "failed": True})
-                return
+                text = "the fit is left out: another design was opened meanwhile"
+                return self._fail(job, {"type": "note", "text": text})
             before = document.revision
             try:
                 await asyncio.to_thread(document.end_gesture)
@@ -267,9 +246,8 @@ class JobRequests:
                 await studio.accept()
                 studio.parts.pose(fitted, job.target)
                 result = {"revision": document.revision, "summary": plain(fitted.summary)}
+                studio.tell({"type": "result", "job": "fit", **result})
             except Exception as error:  # nobody waits for this task: the page is where it can be seen
                 if document.revision != before:
                     document.take_back()
-                studio.tell({**failure_data(error, document.layout, "the result of a fit"), "job": "fit"})
-                result = {"failed": True}
-            studio.tell({"type": "result", "job": "fit", **result})
+                self._fail(job, failure_data(error, document.layout, "the result of a fit"))

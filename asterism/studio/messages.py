@@ -7,7 +7,7 @@ nothing heavier.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
@@ -238,6 +238,25 @@ class Frame:
     target: TargetDistance | None = None
     is_again: bool = False
 
+    @classmethod
+    def of(
+        cls,
+        part: SheetPart,
+        seq: int,
+        mesh: int,
+        stage: str,
+        curvature: Array | None = None,
+        strain: Array | None = None,
+        **rest: Any,
+    ) -> Self:
+        """The frame of a sheet; without curvature and strain that of a flat one, with them 0."""
+        zero = np.zeros(len(part.positions), dtype=np.float32)
+        fields = {"curvature": curvature, "strain": strain}
+        small: dict[str, Any] = {
+            name: zero if values is None else values.astype(np.float32) for name, values in fields.items()
+        }
+        return cls(seq, mesh, stage, **vars(part), **small, **rest)
+
 
 @dataclass(frozen=True)
 class Notice:
@@ -365,7 +384,7 @@ class Settle:
     job : number of the answer.
     near : the preview, pickled as in `Rested`; without one the sheet is released from the flat print.
     pose : printed (V, 2) and shown (V, 3) places of the sheet that pages show, mm.
-    smooth, target, version : as in `Parts`.
+    parts : that the frames hold besides the shape.
     release_mesh : number of the mesh of the release from the flat print, which follows; None for no release.
     """
 
@@ -374,9 +393,7 @@ class Settle:
     folder: str
     near: bytes | None
     pose: tuple[Array, Array] | None
-    smooth: bool
-    target: Surface | None
-    version: int
+    parts: Parts
     release_mesh: int | None = None
 
 

@@ -138,9 +138,7 @@ def failure_data(error: Exception, layout: Layout | None, work: str, seq: int | 
 
 
 def opening_problem_data(error: Exception, path: Path | None, seq: int | None) -> dict[str, Any]:
-    """The message `problem` of a design that does not open.
-
-    Its field, stars and place are not those of the design that stays open, so the message has none.
+    """The message `problem` of a design that does not open; another one stays open.
 
     Parameters
     ----------
@@ -149,8 +147,11 @@ def opening_problem_data(error: Exception, path: Path | None, seq: int | None) -
     """
     problem = failure_data(error, None, "a request of a page", seq)
     text = problem["text"]
-    if path is not None:
-        text = f"{path.name}: {text.removeprefix(f'{path}: ')}"
+    return elsewhere(problem, text if path is None else f"{path.name}: {text.removeprefix(f'{path}: ')}")
+
+
+def elsewhere(problem: dict[str, Any], text: str) -> dict[str, Any]:
+    """The message `problem` of a design that is not open: no field, star or place of the open one is meant."""
     return {**problem, "text": text, "field": "", "stars": (), "at_mm": None}
 
 

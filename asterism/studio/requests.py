@@ -156,6 +156,8 @@ class Weigh(GestureRequest):
 
 MAX_REQUEST_BYTES = 4_000_000
 Name = Annotated[str, Field(min_length=1, max_length=200)]
+# never a file: names come from outside
+ProfileName = Annotated[str, Field(pattern=r"^[A-Za-z0-9-]+$", max_length=200)]
 Slot = Literal["A", "B", "C"]
 # what holds a fitted sheet: `auto` chooses between needles and the whole border
 Hold = Literal["auto", "border", "nothing"]
@@ -256,10 +258,20 @@ class FitRequest(Request):
 
 
 class ExportRequest(Request):
+    """Write the files for the print; without a printer for the chosen one. For the others see `asterism export`."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
     type: Literal["export"]
-    printer: Name | None = None
-    plastic: Name | None = None
-    options: dict[str, Any] = Field(default_factory=dict, max_length=20)
+    printer: ProfileName | None = None
+    plastic: ProfileName | None = None
+    preview: bool | None = None
+    border: bool | None = None
+    needle_spacing_mm: float | None = None
+
+    @property
+    def options(self) -> dict[str, Any]:
+        """The arguments of `asterism.print.export.export` that are given."""
+        return self.model_dump(exclude={"type", "seq", "document"}, exclude_none=True)
 
 
 class PrinterRequest(Request):

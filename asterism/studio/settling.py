@@ -69,7 +69,6 @@ class Settling:
         self.warm()
         assert self._child is not None
         rested, revision = self._rested
-        parts = studio.parts
         # what drawn rods and large sheets show is a release, or took long enough
         has_release = rested.shape is not None and rested.seconds <= MAX_SECONDS
         order = Settle(
@@ -78,9 +77,7 @@ class Settling:
             str(document.path.parent),
             rested.shape,
             studio.shown.sheet,
-            parts.is_smooth,
-            None if parts.target is None else parts.target.surface,
-            parts.version,
+            studio.parts.requested,
             next(job_numbers) if has_release else None,
         )
         self._order, self._progress, self.waits_s = (order, revision), None, None

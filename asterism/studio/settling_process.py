@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from asterism.equilibrium.errors import Error
 from asterism.pattern.design.design import Design
-from asterism.studio.engine_problem import engine_problem
+from asterism.studio.answers import engine_problem
 from asterism.studio.job_processes import ProgressSender, settled
 from asterism.studio.messages import Released, Settle, Settled
 
@@ -151,9 +151,9 @@ class ExactForms:
     def _message(self, order: Settle, shape: Shape, number: int) -> Settled:
         from asterism.studio.engine_frames import TargetComparison
 
-        message = settled(number, shape, self._near, order.pose, order.smooth)
-        if order.target is None:
+        message = settled(number, shape, self._near, order.pose, order.parts.smooth)
+        if order.parts.target is None:
             return message
-        compared = TargetComparison(order.target, order.version)
+        compared = TargetComparison(order.parts.target, order.parts.version)
         distance = compared.distance(message.frame.positions, shape.weights)
         return replace(message, frame=replace(message.frame, target=distance))

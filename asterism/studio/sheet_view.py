@@ -7,14 +7,14 @@ from functools import cached_property
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats, Ints
-from asterism.pattern.geometry.normals import sum_at_vertices, triangle_normals, vertex_normals
+from asterism.pattern.geometry.normals import sum_at_vertices, triangle_normals
 from asterism.pattern.geometry.planar import triangle_areas
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.previews.session import Preview
 from asterism.shape.pose import upright_rotation
-from asterism.studio.messages import Frame, SheetPart, ShownMesh
-from asterism.studio.sheet_marks import SheetMarks, mesh_message, ribbon_stations
+from asterism.studio.messages import Frame, ShownMesh
+from asterism.studio.sheet_frames import SheetMarks, mesh_message, ribbon_stations
 
 
 class SheetView:
@@ -93,29 +93,18 @@ class SheetView:
             positions[:, 2] -= lowest
             if smooth is not None:
                 smooth = (smooth - middle) @ self.rotation.T - (0.0, 0.0, lowest)
-        arms, arm_normals = self._marks.ribbons(layout, positions, vertex_normals(positions, self.triangles))
         stretch_x, stretch_y = fabric.stretch_xy
-        small = np.float32
-        return Frame(
-            seq=seq,
-            mesh=self._number,
-            stage=stage,
-            positions=positions.astype(small),
-            curvature=places.surface.mean_curvature.astype(small),
-            strain=(places.surface.area * stretch_x * stretch_y - 1.0).astype(small),
-            arms=arms.astype(small),
-            arm_normals=arm_normals.astype(small),
-            needles=self._marks.needles(layout, positions).astype(small),
+        return Frame.of(
+            self._marks.part(layout, positions),
+            seq,
+            self._number,
+            stage,
+            places.surface.mean_curvature,
+            places.surface.area * stretch_x * stretch_y - 1.0,
             is_minimum=stage == "equilibrium" and preview.equilibrium.is_minimum,
             height_mm=float(np.ptp(positions[:, 2])),
-            smooth=None if smooth is None else self._smooth_part(layout, smooth),
+            smooth=None if smooth is None else self._marks.part(layout, smooth),
         )
-
-    def _smooth_part(self, layout: Layout, positions: Floats) -> SheetPart:
-        """The sheet without bumps, with arms and needles that end there."""
-        arms, arm_normals = self._marks.ribbons(layout, positions, vertex_normals(positions, self.triangles))
-        parts = (positions, arms, arm_normals, self._marks.needles(layout, positions))
-        return SheetPart(*(part.astype(np.float32) for part in parts))
 
     @cached_property
     def weights(self) -> Floats:

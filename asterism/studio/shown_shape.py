@@ -10,6 +10,7 @@ from weakref import WeakValueDictionary
 
 from asterism.equilibrium.arrays import Array
 from asterism.pattern.design.files import plain
+from asterism.results.words import shape_in_words
 from asterism.studio import frames
 from asterism.studio.frames import frame_parts, mesh_bytes
 from asterism.studio.messages import FormShape, Frame, Settled, ShapeSummary, ShownMesh, StudioProblem
@@ -163,6 +164,32 @@ class Shown:
         self.add_frame(settled.frame, revision, tabs)
         self.add_summary(settled.shown, revision)
         (self.forms, self._form_shapes), self._exact, self._exact_seq = forms, settled.shape, seq
+
+    def badge(self, revision: int, is_at_work: bool) -> dict[str, Any]:
+        """The one statement about the shape, the worst first: its kind, its words, and the frame that it is about.
+
+        Whatever speaks of the shape, on pages and of designs that are kept, takes it from here.
+
+        Parameters
+        ----------
+        revision : of the document.
+        is_at_work : whether a newer shape is on its way.
+        """
+        is_current = self.revision == revision
+        has_shape = is_current and self.stage in ("equilibrium", "exact")
+        if not has_shape and is_at_work:
+            kind, words = "computing", "Computing"
+        elif self.stage == "printed" or self.revision is None:
+            kind, words = "none", "Not computed"
+        elif not has_shape:
+            kind, words = "outdated", "Outdated"
+        else:
+            model, is_minimum = "exact" if self.stage == "exact" else "preview", bool(self.numbers.get("is_minimum"))
+            numbers = {} if self.summary_revision is None else self.numbers
+            words = shape_in_words({**numbers, "model": model, "is_minimum": is_minimum})
+            kind = model if is_minimum else "doubtful"
+        is_stale = self.revision is not None and not is_current
+        return {"kind": kind, "words": words, "revision": self.revision, "stage": self.stage, "is_stale": is_stale}
 
     def greet(self, tab: Tab) -> None:
         """Show the last shape in a tab that has just been opened."""

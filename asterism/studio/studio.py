@@ -17,7 +17,6 @@ from asterism.pattern.layout.build import layout
 from asterism.results.files import OutputError
 from asterism.studio import requests as ask
 from asterism.studio.autosave import autosaves
-from asterism.studio.badge import Situation, badge
 from asterism.studio.design_file import FileWatch
 from asterism.studio.document import Document
 from asterism.studio.drawing import Drawings, with_drawing
@@ -140,19 +139,8 @@ class Studio:
 
     def badge(self) -> dict[str, Any]:
         """The state of the shown shape, for pages and for the designs that are kept."""
-        shown, document = self.shown, self.document
         at_work = self.engine.link.status in ("starting", "computing") or self.settling.data() is not None
-        has_numbers = shown.summary_revision is not None
-        return badge(
-            Situation(
-                -1 if document is None else document.revision,
-                shown.revision,
-                shown.stage,
-                bool(shown.numbers.get("is_minimum")),
-                shown.numbers if has_numbers else None,
-                at_work,
-            )
-        )
+        return self.shown.badge(-1 if self.document is None else self.document.revision, at_work)
 
     def _gallery(self) -> dict[str, Any]:
         files = design_files(self.folder)
@@ -186,6 +174,7 @@ class Studio:
                 return
             layout = None if self.document is None else self.document.layout
             tab.send(failure_data(error, layout, "a request of a page", seq))
+            tab.send(self._state())  # pages say that a job begins before the server does
 
     async def _answer(self, tab: Tab, request: Request) -> None:
         """Do what a page asks for."""

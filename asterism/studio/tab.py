@@ -5,13 +5,14 @@ from __future__ import annotations
 import asyncio
 import json
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
 from typing import Any, Protocol
 
 from asterism.studio import frames
 
 # Pages that may be open at the same time.
 MAX_TABS = 50
+# number of a mesh, header and arrays of a frame on it
+Shape = tuple[int, dict[str, Any], dict[str, Any]]
 
 
 class PageSocket(Protocol):
@@ -19,15 +20,6 @@ class PageSocket(Protocol):
 
     async def send_text(self, text: str) -> None: ...
     async def send_bytes(self, frame: bytes) -> None: ...
-
-
-@dataclass(frozen=True)
-class WaitingShape:
-    """A shape on a mesh, as it is packed into a frame."""
-
-    mesh: int
-    header: dict[str, Any]
-    arrays: dict[str, Any]
 
 
 class Tab:
@@ -45,7 +37,7 @@ class Tab:
         self._meshes = meshes
         self._known: set[int] = set()
         self._texts: list[str] = []
-        self._shape: WaitingShape | None = None
+        self._shape: Shape | None = None
         self._in_flight: int | None = None
         self._frame = 0
         self._wake = asyncio.Event()
@@ -60,7 +52,7 @@ class Tab:
 
     def show(self, mesh: int, header: dict[str, Any], arrays: dict[str, Any]) -> None:
         """Show a shape. It replaces one that still waits."""
-        self._shape = WaitingShape(mesh, header, arrays)
+        self._shape = mesh, header, arrays
         self._wake.set()
 
     def forget_shape(self) -> None:
@@ -84,9 +76,9 @@ class Tab:
                 self._shape = None
                 await self._draw(socket, waiting)
 
-    async def _draw(self, socket: PageSocket, waiting: WaitingShape) -> None:
+    async def _draw(self, socket: PageSocket, waiting: Shape) -> None:
         """Send a shape, and its mesh before it if the page does not have it."""
-        mesh = waiting.mesh
+        mesh, header, arrays = waiting
         if mesh not in self._meshes:
             self._wake.set()
             return
@@ -95,8 +87,7 @@ class Tab:
             await socket.send_bytes(self._meshes[mesh])
         self._frame += 1
         self._in_flight = self._frame
-        header = {**waiting.header, "mesh": mesh, "frame": self._frame}
-        await socket.send_bytes(frames.pack(frames.SHAPE, header, waiting.arrays))
+        await socket.send_bytes(frames.pack(frames.SHAPE, {**header, "mesh": mesh, "frame": self._frame}, arrays))
 
 
 class Tabs:

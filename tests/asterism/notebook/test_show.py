@@ -15,7 +15,7 @@ from asterism.notebook import live_sheet
 from asterism.notebook.live_sheet import LiveSheet, shape_traits
 from asterism.pattern.design.design import Design
 from asterism.studio import frames
-from asterism.studio.sheet_marks import RIBBON_MM, STATIONS
+from asterism.studio.sheet_frames import RIBBON_MM, STATIONS
 from tests.asterism.sheets import dome, sheet
 
 ROOT = Path(__file__).parents[3]

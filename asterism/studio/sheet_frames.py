@@ -1,18 +1,28 @@
-"""What the page draws of a sheet: its mesh, ribbons along arms and rods, and needles below the supported points."""
+"""A sheet as the page draws it: its mesh, ribbons along arms and rods, needles, and the frame of a shape."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
 
+from asterism.draw.ribbons import ribbons
 from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.design.design import Design
+from asterism.pattern.geometry.normals import sum_at_vertices, vertex_normals
 from asterism.pattern.geometry.planar import is_in_sorted
 from asterism.pattern.geometry.point_location import TriangleFinder, clipped
-from asterism.pattern.layout.layout import Layout
-from asterism.studio.messages import ShownMesh
+from asterism.pattern.geometry.rigid_fit import rigid_fit
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.layout import Layout, off_sheet_mm
+from asterism.pattern.mesh.meshing import mesh_layout
+from asterism.shape.blank_sheet import blank_sheet
+from asterism.shape.cell_mean import CellMean
+from asterism.shape.shape import Shape
+from asterism.shape.surface_fields import surface_triangle_areas
+from asterism.studio.messages import Frame, SheetPart, ShownMesh
 
 STATIONS = 5  # along each ribbon
 # length of a ribbon along a drawn rod, so that curves look smooth; longer where there would be too many ribbons
@@ -38,6 +48,11 @@ class SheetMarks:
         self._ribbon_points = np.empty((0, STATIONS, 2))
         self._station_triangles: Ints = np.empty(0, dtype=np.int64)
         self._needle_points = np.empty((0, 2))
+
+    def part(self, layout: Layout, positions: Floats) -> SheetPart:
+        """The sheet at positions (V, 3) mm with its ribbons and needles, in numbers of 4 bytes."""
+        ribbons = self.ribbons(layout, positions, vertex_normals(positions, self.triangles))
+        return small_part(positions, *ribbons, self.needles(layout, positions))
 
     def ribbons(self, layout: Layout, positions: Floats, normals: Floats) -> tuple[Floats, Floats]:
         """(A, K, 3, 3) left and right outer edges of the ribbons and their middle on the fabric, (A, K, 3) normals."""
@@ -97,6 +112,11 @@ class SheetMarks:
     @cached_property
     def _finder(self) -> TriangleFinder:
         return TriangleFinder(self.printed, self.triangles)
+
+
+def small_part(positions: Floats, arms: Floats, arm_normals: Floats, needles: Floats) -> SheetPart:
+    """These places in numbers of 4 bytes."""
+    return SheetPart(*(values.astype(np.float32) for values in (positions, arms, arm_normals, needles)))
 
 
 def _unit(vectors: Floats) -> Floats:
@@ -182,3 +202,118 @@ def outline_of(triangles: Ints) -> Ints:
     there: Ints = edges[:, 0] * size + edges[:, 1]
     back: Ints = edges[:, 1] * size + edges[:, 0]
     return np.asarray(edges[~is_in_sorted(there, np.sort(back))])
+
+
+def shape_messages(shape: Shape, number: int = 1, stage: str = "equilibrium") -> tuple[ShownMesh, Frame]:
+    """The mesh of a shape under a number, and its frame; a free sheet stands as its `aligned()` copy, on the ground.
+
+    Shapes from files without a design have no needles and no strains.
+    """
+    if not shape.held:
+        shape = shape.aligned()
+        shape = replace(shape, positions=shape.positions - [0.0, 0.0, shape.positions[:, 2].min()])
+    part, strain = _sheet_part(shape), np.empty(0)
+    arm_site: Ints = np.zeros(len(part.arms), dtype=np.int64)
+    if shape.layout is not None:
+        arm_site = ribbon_stations(shape.layout).site
+        strain = _area_strain(shape)
+    curvature = np.asarray(shape.point_fields.get("mean_curvature_per_mm", np.empty(0)), dtype=float)
+    is_minimum, height_mm = bool(shape.summary.get("is_minimum", False)), float(np.ptp(shape.positions[:, 2]))
+    curvature = _without_gaps(curvature, shape.triangles)
+    frame = Frame.of(part, 0, number, stage, curvature, strain, is_minimum=is_minimum, height_mm=height_mm)
+    return mesh_message(number, shape.printed, shape.triangles, arm_site), frame
+
+
+def settled_messages(
+    exact: Shape, near: Shape | None, pose: tuple[Floats, Floats] | None, number: int, smooth: bool = False
+) -> tuple[ShownMesh, Frame]:
+    """The same of an exact shape beside the preview from which it was computed, in the pose of the sheet on the page.
+
+    Parameters
+    ----------
+    pose : printed (V, 2) and shown (V, 3) places of that sheet, mm; by default that of `shape_messages`.
+    smooth : with the sheet without its bumps.
+    """
+    mesh, frame = shape_messages(exact, number, "exact")
+    if near is None:
+        return mesh, replace(frame, smooth=_without_bumps(exact, frame.positions) if smooth else None)
+    off = 0.0 if exact.layout is None else off_sheet_mm(exact.layout, len(near.printed))
+    before, positions = near.at(exact.printed, off), exact.positions
+    if pose is not None:
+        rotation, shift = rigid_fit(near.at(pose[0], off), np.asarray(pose[1], dtype=float))
+        before = before @ rotation.T + shift
+    if not exact.held:
+        rotation, shift = rigid_fit(positions, before, exact.weights)
+        positions = positions @ rotation.T + shift
+    shown, other = (_sheet_part(replace(exact, positions=places)) for places in (positions, before))
+    without_bumps = _without_bumps(exact, positions) if smooth else None
+    return mesh, replace(frame, before=other, smooth=without_bumps, **vars(shown))
+
+
+def _without_bumps(shape: Shape, positions: Floats) -> SheetPart | None:
+    """The sheet at positions (V, 3), moved along its normal to the means over a cell of the lattice."""
+    if shape.layout is None:
+        return None
+    positions = np.asarray(positions, dtype=float)
+    mean = CellMean(shape.printed, shape.weights, shape.layout.lattice_vectors)(positions)
+    normals = vertex_normals(mean, shape.triangles)
+    bumps = np.sum(normals * (positions - mean), axis=1, keepdims=True)
+    return _sheet_part(replace(shape, positions=positions - normals * bumps))
+
+
+def _sheet_part(shape: Shape) -> SheetPart:
+    """Places, arms and needles of a shape as they are."""
+    if shape.layout is None:
+        return small_part(shape.positions, *_rod_ribbons(shape), np.empty((0, 2, 3)))
+    return SheetMarks(shape.printed, shape.triangles).part(shape.layout, shape.positions)
+
+
+def _rod_ribbons(shape: Shape) -> tuple[Floats, Floats]:
+    """(R, 2, 3, 3) left and right upper edges and the middle on the fabric at both ends of each rod edge, normals."""
+    points, normals, triangles = ribbons(shape)
+    begin = triangles[: len(triangles) // 2, 0]
+    ends = np.stack([begin, begin + 1], axis=1)
+    left, right, normal = points[ends], points[ends + len(points) // 2], normals[ends]
+    # shapes without a layout do not say how thick their arms are: these are drawn 1 mm thick
+    return np.stack([left + normal, right + normal, (left + right) / 2], axis=2), normal
+
+
+def _area_strain(shape: Shape) -> Floats:
+    """(V,) area of the sheet, without the bumps of a preview, over that of the released sheet, minus 1."""
+    stretch_x, stretch_y = np.broadcast_to(shape.summary["design"]["fabric"]["stretch"], 2).tolist()
+    surface = shape.positions - shape.point_fields.get("bump_mm", 0.0)
+    count = len(surface)
+    areas = [
+        sum_at_vertices(shape.triangles, np.repeat(surface_triangle_areas(points, shape.triangles), 3), count)
+        for points in (surface, shape.printed)
+    ]
+    return np.asarray(areas[0] / areas[1] * stretch_x * stretch_y - 1.0)
+
+
+def _without_gaps(values: Floats, triangles: Ints) -> Floats:
+    """(V,) values; vertices without one, which are those on the border, have the mean of their neighbours."""
+    if len(values) == 0:
+        return values
+    i, j = triangles[:, [0, 1, 2, 1, 2, 0]].ravel(), triangles[:, [1, 2, 0, 0, 1, 2]].ravel()
+    is_known = np.isfinite(values)
+    near = sp.coo_array((np.ones(len(i)), (i, j)), shape=(len(values), len(values))).tocsr()
+    total, count = near @ np.where(is_known, values, 0.0), near @ is_known.astype(float)
+    return np.where(is_known, values, np.divide(total, count, out=np.zeros(len(values)), where=count > 0))
+
+
+def blank_messages(design: Design, number: int, seq: int) -> tuple[ShownMesh, Frame]:
+    """The flat, released sheet of a design without stars: its mesh under a number, and its frame."""
+    shape = blank_sheet(design)
+    mesh = mesh_message(number, shape.printed, shape.triangles, np.empty(0, dtype=np.int64))
+    part = small_part(shape.positions, np.empty((0, STATIONS, 3, 3)), np.empty((0, STATIONS, 3)), np.empty((0, 2, 3)))
+    return mesh, Frame.of(part, seq, number, "exact", is_minimum=True)
+
+
+def printed_messages(design: Design, number: int, seq: int) -> tuple[ShownMesh, Frame]:
+    """The flat sheet as it is printed, with its rods and without needles."""
+    plan = layout(design)
+    edge = 0.05 * plan.diameter_mm  # of the triangles
+    mesh = mesh_layout(plan, edge, design.mesh.kind, design.mesh.seed, draft=True)
+    part = SheetMarks(mesh.points, mesh.triangles).part(plan, np.pad(mesh.points, ((0, 0), (0, 1))))
+    shown = mesh_message(number, mesh.points, mesh.triangles, ribbon_stations(plan).site)
+    return shown, Frame.of(replace(part, needles=part.needles[:0]), seq, number, "printed", is_minimum=True)

@@ -1,14 +1,40 @@
-"""All that is known about a shape at rest, as a message."""
+"""What the processes say of a shape: numbers, warnings and forms, or the error in its place."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 
-from asterism.previews.session import Preview
+import numpy as np
+
+from asterism.equilibrium.errors import Error
+from asterism.homogenize.errors import LawError
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError, MeshError
+from asterism.pattern.layout.build import sheet_sites
+from asterism.previews.session import Preview, SearchLimitError
+from asterism.results.files import OutputError
 from asterism.results.records.preview import OtherFormRecord
 from asterism.results.words import VISIBLE_SAG_MM, PlacedWarning
 from asterism.shape.shape import Shape
-from asterism.studio.messages import Form, Notice, ShapeSummary, sites_of
+from asterism.studio.messages import Form, Notice, ShapeSummary, StudioProblem, mistake_parts, sites_of
+
+PROBLEM_KINDS: dict[type[Exception], str] = {
+    DesignError: "design",
+    LawError: "law",
+    MeshError: "mesh",
+    SearchLimitError: "too long",
+    OutputError: "output",
+}
+UNEXPECTED = "error"
+
+
+def engine_problem(seq: int, error: Exception, design: Design | None = None) -> StudioProblem:
+    """The problem that an error is; the design's lattice sites take the place of the numbers of its stars."""
+    kind = next((kind for of, kind in PROBLEM_KINDS.items() if isinstance(error, of)), UNEXPECTED)
+    text = str(error) if isinstance(error, Error) else f"{type(error).__name__}: {error}"
+    rows = np.empty((0, 2)) if design is None or not getattr(error, "stars", ()) else sheet_sites(design)
+    return StudioProblem(seq=seq, kind=kind, text=" ".join(text.split()), **mistake_parts(error, rows))
+
 
 SUMMARY_KEYS = (
     "expected_rms_percent",
@@ -41,8 +67,8 @@ def rest_summary(seq: int, preview: Preview, shape: Shape, others: Sequence[Othe
         # its index among the forms
         forms.insert(0, Form(-1, preview.equilibrium.guess, 0.0, True))
     numbers = {key: shape.summary.get(key) for key in SUMMARY_KEYS}
-    below = numbers["below_needles_mm"]
-    numbers["below_needles_mm"] = below if below is not None and below > VISIBLE_SAG_MM else None
+    if (numbers["below_needles_mm"] or 0.0) <= VISIBLE_SAG_MM:
+        numbers["below_needles_mm"] = None
     return ShapeSummary(seq, numbers, tuple(notices), tuple(forms))
 
 
@@ -55,8 +81,5 @@ def exact_summary(shape: Shape) -> ShapeSummary:
 def blank_summary(seq: int) -> ShapeSummary:
     """The same of a sheet without stars."""
     numbers = {**dict.fromkeys(SUMMARY_KEYS), "height_mm": 0.0, "is_minimum": True, "stars": 0}
-    return ShapeSummary(
-        seq,
-        numbers,
-        (Notice("the sheet has no stars: it is flat fabric, shown as it is when it is released, without pins"),),
-    )
+    text = "the sheet has no stars: it is flat fabric, shown as it is when it is released, without pins"
+    return ShapeSummary(seq, numbers, (Notice(text),))
