@@ -8,15 +8,15 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import anyio
-import numpy as np
 import pytest
 from starlette.testclient import TestClient
 
 from asterism.pattern import gallery
 from asterism.studio import frames
-from asterism.studio.messages import Edit, Frame, Limits, ShapeSummary, ShownMesh
+from asterism.studio.messages import Edit, Limits, ShapeSummary
 from asterism.studio.server import application
 from asterism.studio.studio import Studio
+from tests.asterism.studio.flat_frames import flat_frame, flat_mesh
 
 if TYPE_CHECKING:
     from tests.asterism.studio.engine_pipe import EnginePipe
@@ -33,9 +33,6 @@ class QuickEngine:
     def __init__(self, receive: Callable[[Any], None], changed: Callable[[], None]) -> None:
         self._receive, self.status, self.searching = receive, "ready", None
         self.edits: list[Any] = []
-        square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
-        none = np.empty(0, dtype=np.int64)
-        self._mesh = ShownMesh(1, square, np.array([[0, 1, 2], [0, 2, 3]]), np.arange(4), none)
 
     def edit(self, edit: Edit) -> None:
         self.ask(edit)
@@ -43,11 +40,8 @@ class QuickEngine:
     def ask(self, message: Any) -> None:
         self.edits.append(message)
         seq = message.seq
-        positions = np.column_stack([self._mesh.printed, np.full(4, float(seq))])
-        zeros, empty = np.zeros(4), np.zeros((0, 2, 3, 3))
-        self._receive(self._mesh)
-        frame = Frame(seq, 1, "equilibrium", positions, zeros, zeros, empty, empty[:, 0], empty[:, 0])
-        self._receive(frame)
+        self._receive(flat_mesh())
+        self._receive(flat_frame(seq, height=float(seq)))
         self._receive(ShapeSummary(seq, {"expected_rms_percent": 0.5, "height_mm": float(seq)}))
         if seq == 1:
             self._receive(Limits(seq, {"length_mm": (3.0, 11.0)}, (1.35, 1.75)))
@@ -61,10 +55,11 @@ class QuickEngine:
 
 
 class Page:
-    """A page as the server sees it."""
+    """A page as the server sees it; `problems` are all that came before the messages it waited for."""
 
     def __init__(self, socket: Any) -> None:
         self._socket = socket
+        self.problems: list[dict[str, Any]] = []
         self.send(type="hello")
 
     def send(self, **message: Any) -> None:
@@ -89,6 +84,8 @@ class Page:
                 data = {"type": {1: "mesh", 2: "shape", 3: "comparison"}[frame_kind], **header, **arrays}
             else:
                 data = json.loads(message["text"])
+            if data["type"] == "problem":
+                self.problems.append(data)
             if data["type"] == kind and all(data[key] == value for key, value in values.items()):
                 return data
         raise AssertionError(f"no message {kind} with {values}")

@@ -21,13 +21,13 @@ from asterism.studio.messages import (
     Ready,
     Settled,
     ShapeSummary,
-    ShownMesh,
     Sign,
     StudioProblem,
     Surface,
     Written,
 )
 from asterism.studio.weights import SheetWeights
+from tests.asterism.studio.flat_frames import SQUARE, flat_frame, flat_mesh, flat_part
 
 # variable of the environment with the file that a fit, or a verification, waits for
 GATE = "ASTERISM_TEST_GATE"
@@ -38,7 +38,6 @@ def serve(connection: Connection) -> None:
 
     The snapshot is that of the edit and its number.
     """
-    square = np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
     connection.send(Ready(0.0))
     while True:
         message = connection.recv()
@@ -56,12 +55,8 @@ def serve(connection: Connection) -> None:
                 if failure == "loop_once":
                     connection.send(Sign(is_stuck=True))
                 time.sleep(60)
-        none = np.zeros((0, 2, 3, 3))
-        connection.send(ShownMesh(1, square, np.array([[0, 1, 2], [0, 2, 3]]), np.arange(4), none[:, 0, 0, 0]))
-        positions = np.column_stack([square, np.zeros(4)])
-        args = (positions, np.zeros(4), np.zeros(4), none, none[:, 0], none[:, 0])
-        snapshot = (message.snapshot or b"") + b"%d" % message.seq
-        connection.send(Frame(message.seq, 1, "equilibrium", *args, snapshot=snapshot))
+        connection.send(flat_mesh())
+        connection.send(flat_frame(message.seq, snapshot=(message.snapshot or b"") + b"%d" % message.seq))
 
 
 def wait_for_gate() -> None:
@@ -83,10 +78,14 @@ def verify(connection: Connection, job: int, table: dict[str, Any], folder: str,
 
 def exact(job: int, is_minimum: bool = True) -> Settled:
     """A flat triangle as an exact shape."""
-    flat, none = np.zeros((3, 3), dtype=np.float32), np.zeros((0, 2, 3, 3))
-    mesh = ShownMesh(-job, flat[:, :2], np.array([[0, 1, 2]]), np.arange(3), np.zeros(0, dtype=np.uint32))
-    frame = Frame(0, -job, "exact", flat, flat[:, 0], flat[:, 0], none, none[:, 0], none[:, 0], is_minimum=is_minimum)
-    return Settled(job, mesh, frame, ShapeSummary(0, {"mesh_error_percent": 0.7, "is_minimum": is_minimum}), b"exact")
+    frame = Frame.of(flat_part(printed=SQUARE[:3]), 0, -job, "exact", is_minimum=is_minimum)
+    return Settled(
+        job,
+        flat_mesh(-job, SQUARE[:3]),
+        frame,
+        ShapeSummary(0, {"mesh_error_percent": 0.7, "is_minimum": is_minimum}),
+        b"exact",
+    )
 
 
 def fit(

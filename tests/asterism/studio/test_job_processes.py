@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import multiprocessing
 from pathlib import Path
 from typing import Any
 
@@ -34,10 +33,22 @@ def table(name: str = "dome", **sections: Any) -> dict[str, Any]:
 
 
 @pytest.mark.slow
-def test_a_verification_sends_the_exact_shape_beside_the_preview_and_its_files(tmp_path: Path) -> None:
+def test_a_verification_sends_numbers_and_then_the_exact_shape_beside_the_preview_and_its_files(tmp_path: Path) -> None:
     pipe = Sent()
-    run_verification(pipe, 3, table(), ".", str(tmp_path / "out"))  # type: ignore[arg-type]
-    result = pipe.messages[-1]
+    run_verification(pipe, 3, table(border={"rings": 2}), ".", str(tmp_path / "out"))
+    *reports, result = pipe.messages
+    assert all(isinstance(message, JobProgress) for message in reports)
+    stages = list(dict.fromkeys(report.stage for report in reports))
+    assert stages == ["design", *STAGES, "report"]
+    for stage in stages:
+        of_stage = [report for report in reports if report.stage == stage]
+        done = [report.done for report in of_stage]
+        assert done == sorted(done) and done[0] == 0  # never leads back
+        assert all(0 <= report.done <= report.of for report in of_stage)
+        assert stage != STAGES[1] or len(of_stage) > 2
+    seconds = [report.seconds for report in reports]
+    assert seconds == sorted(seconds)
+
     assert isinstance(result, Settled) and result.job == 3 and result.mesh.mesh == -3
     assert {Path(name).name for name in result.files} == {
         *("report.html", "summary.json"),
@@ -52,54 +63,23 @@ def test_a_verification_sends_the_exact_shape_beside_the_preview_and_its_files(t
     assert result.frame.stage == "exact" and result.shown.numbers["is_minimum"]
 
 
-@pytest.mark.slow
-def test_progress_is_in_numbers_and_never_leads_back(tmp_path: Path) -> None:
-    pipe = Sent()
-    run_verification(pipe, 1, table(border={"rings": 2}), ".", str(tmp_path / "out"))  # type: ignore[arg-type]
-    reports = [message for message in pipe.messages if isinstance(message, JobProgress)]
-    stages = list(dict.fromkeys(report.stage for report in reports))
-    assert stages == ["design", *STAGES, "report"]
-    for stage in stages:
-        done = [report.done for report in reports if report.stage == stage]
-        assert done == sorted(done) and done[0] == 0
-        assert all(0 <= report.done <= report.of for report in reports if report.stage == stage)
-    assert len([report for report in reports if report.stage == STAGES[1]]) > 2
-    seconds = [report.seconds for report in reports]
-    assert seconds == sorted(seconds)
-
-
 @pytest.mark.parametrize(
     ("changes", "kind"),
     [({"stars": {"length_mm": 40.0}}, "design"), ({"fabric": {"bending": "none"}}, "law"), ({"pins": 3}, "design")],
 )
 def test_what_cannot_be_verified_is_a_problem(tmp_path: Path, changes: dict[str, Any], kind: str) -> None:
     pipe = Sent()
-    run_verification(pipe, 1, table(**changes), ".", str(tmp_path / "out"))  # type: ignore[arg-type]
+    run_verification(pipe, 1, table(**changes), ".", str(tmp_path / "out"))
     problem = pipe.messages[-1]
     assert isinstance(problem, StudioProblem) and (problem.seq, problem.kind) == (1, kind)
     assert not (tmp_path / "out").exists()
 
 
 @pytest.mark.slow
-def test_a_verification_can_be_ended_at_any_moment(tmp_path: Path) -> None:
-    context = multiprocessing.get_context("spawn")
-    ours, theirs = context.Pipe()
-    process = context.Process(
-        target=run_verification, args=(theirs, 1, table(border={"rings": 4}), ".", str(tmp_path / "out"))
-    )
-    process.start()
-    theirs.close()
-    assert ours.poll(120.0) and isinstance(ours.recv(), JobProgress)
-    process.kill()
-    process.join(30.0)
-    assert not process.is_alive() and not (tmp_path / "out" / "summary.json").exists()
-
-
-@pytest.mark.slow
 def test_a_fit_sends_progress_and_a_design() -> None:
     vertices, triangles = spherical_cap(30.0, 84.0)
     sent = Sent()
-    run_fit(sent, 7, Surface(vertices + 300.0, triangles), "cap", "auto", "ultimaker2")  # type: ignore[arg-type]
+    run_fit(sent, 7, Surface(vertices + 300.0, triangles), "cap", "auto", "ultimaker2")
     *progress, last = sent.messages
     assert all(isinstance(message, JobProgress) and message.job == 7 for message in progress)
     assert any("% of the diameter" in message.stage for message in progress)
@@ -116,7 +96,7 @@ def test_a_fit_sends_progress_and_a_design() -> None:
 def test_a_target_without_a_design_is_one_line() -> None:
     vertices, triangles = spherical_cap(30.0, 40.0)
     sent = Sent()
-    run_fit(sent, 2, Surface(vertices, triangles), "cap.stl", "auto", "ultimaker2")  # type: ignore[arg-type]
+    run_fit(sent, 2, Surface(vertices, triangles), "cap.stl", "auto", "ultimaker2")
     problem = sent.messages[-1]
     assert isinstance(problem, StudioProblem) and problem.seq == 2
     assert problem.text.startswith("cap.stl: has room for")

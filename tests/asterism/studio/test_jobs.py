@@ -83,7 +83,7 @@ def test_files_of_an_export_can_be_downloaded_if_they_are_below_the_folder(
 ):
     (folder.parent / "outside.txt").write_text("secret", encoding="utf-8")
     page.until("document")
-    page.send(type="export", printer="prusa-mk4", options={"preview": False})
+    page.send(type="export", printer="prusa-mk4", preview=False)
     result = page.until("result")
     assert result["files"] == [{"name": "dome-print/a.stl", "size": 5}]
     assert result["summary"]["printer"] == "prusa-mk4" and result["warnings"] == ["thin arms"]

@@ -6,8 +6,6 @@ import re
 import tomllib
 from pathlib import Path
 
-import pytest
-
 from asterism.pattern import gallery
 from asterism.studio.server import PAGE
 
@@ -31,10 +29,11 @@ def test_every_design_of_the_gallery_has_a_small_picture():
     assert sum(pictures.values()) < MAX_GALLERY_BYTES
 
 
-@pytest.mark.parametrize("file", [file for file in FILES if file.suffix != ".png"], ids=lambda file: file.name)
-def test_the_page_names_no_other_machine(file: Path):
-    text = file.read_text(encoding="utf-8").replace("http://www.w3.org/", "")
-    assert re.findall(r"\b(?:https?|wss?)://[\w.]+|@import|//[\w-]+\.\w+/", text) == []
+def test_the_page_names_no_other_machine():
+    for file in FILES:
+        if file.suffix != ".png":
+            text = file.read_text(encoding="utf-8").replace("http://www.w3.org/", "")
+            assert re.findall(r"\b(?:https?|wss?)://[\w.]+|@import|//[\w-]+\.\w+/", text) == [], file.name
 
 
 def test_the_page_fits_its_content_policy():

@@ -55,14 +55,11 @@ def test_a_dab_reaches_its_value_in_the_middle_and_nothing_beyond_its_radius() -
     assert values == pytest.approx(expected)
 
 
-def test_images_of_a_place_are_painted_once_where_they_overlap() -> None:
-    twice = PaintedField.of(0.4, OUTLINE).brushed(replace(BRUSH, mode="add", value=0.1), [[(0.5, 0.5), (0.5, 0.5)]])
+def test_images_of_a_place_are_painted_once_where_they_overlap_and_values_stay_in_the_range() -> None:
+    brush = replace(BRUSH, mode="add", value=0.1)
+    twice = PaintedField.of(0.4, OUTLINE).brushed(brush, [[(0.5, 0.5), (0.5, 0.5)]])
     assert twice.values.max() == pytest.approx(0.5)
-
-
-def test_values_stay_in_the_range_of_the_brush() -> None:
-    brush = replace(BRUSH, mode="add", value=3.0, high=0.7)
-    assert PaintedField.of(0.4, OUTLINE).brushed(brush, [[(0.0, 0.0)]] * 3).values.max() == 0.7
+    assert twice.brushed(replace(brush, value=3.0, high=0.7), [[(0.0, 0.0)]] * 3).values.max() == 0.7
 
 
 def test_smoothing_lowers_hills_and_leaves_an_even_field() -> None:

@@ -14,7 +14,7 @@ from asterism.previews import session as preview_session
 from asterism.studio.document import Document
 from asterism.studio.messages import Edit, Limits, Rested, ShownMesh
 from asterism.studio.page_data import document_data
-from asterism.studio.sheet_marks import NO_SITE, ribbon_stations
+from asterism.studio.sheet_frames import NO_SITE, ribbon_stations
 from tests.asterism.previews.motifs.nets import net, net_law
 from tests.asterism.studio.engine_pipe import EnginePipe
 

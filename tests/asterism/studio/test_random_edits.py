@@ -13,6 +13,7 @@ import pytest
 from starlette.testclient import TestClient
 
 from asterism.pattern import gallery
+from asterism.studio.page_data import SERVER_MISTAKE
 from asterism.studio.server import application
 from asterism.studio.studio import Studio
 from tests.asterism.studio.conftest import HOST, TOKEN, Page
@@ -107,6 +108,7 @@ def test_random_edits_are_answered_and_undone(tmp_path: Path):
         last = page.until("state", engine="ready", summary_revision=first["revision"])
         page.send(type="save")
         page.until("saved")
+    assert not [one for one in page.problems if one["kind"] == "error" or SERVER_MISTAKE in one["text"]]
     assert json.dumps(studio.document.table) == json.dumps(first["design"])  # type: ignore[union-attr]
     assert path.read_bytes() == original
     assert last["numbers"]["is_minimum"], last["problem"]

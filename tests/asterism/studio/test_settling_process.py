@@ -15,7 +15,7 @@ import pytest
 
 import asterism
 from asterism.pattern.design.design import Design
-from asterism.studio.messages import JobProgress, Released, Settle, Settled, StudioProblem
+from asterism.studio.messages import JobProgress, Parts, Released, Settle, Settled, StudioProblem
 from asterism.studio.settling_process import run_settling
 from tests.asterism.studio.test_job_processes import table
 
@@ -48,8 +48,8 @@ def test_exact_shapes_come_in_the_pose_of_the_page_and_a_newer_one_ends_the_last
     near = asterism.preview(Design.from_dict(small))
     turned = near.positions @ np.diag([-1.0, -1.0, 1.0]) + [0.0, 0.0, 7.0]
     orders = [
-        Settle(1, large, ".", None, None, False, None, 0),
-        Settle(2, small, ".", pickle.dumps(near), (near.printed, turned), True, None, 0),
+        Settle(1, large, ".", None, None, Parts(0)),
+        Settle(2, small, ".", pickle.dumps(near), (near.printed, turned), Parts(0, smooth=True)),
     ]
     ours.send(orders[0])
     first = ours.recv()
@@ -75,7 +75,7 @@ def test_the_release_follows_and_says_whether_a_print_takes_another_form(ours: C
     sections = {"pins": []} if is_same else {"border": {"rings": 2}, "pins": [{"where": "border", "scale": 0.7}]}
     held = table(**sections)
     near = asterism.preview(Design.from_dict(held), side="auto" if is_same else "up")
-    order = Settle(1, held, ".", pickle.dumps(near), None, False, None, 0, release_mesh=2)
+    order = Settle(1, held, ".", pickle.dumps(near), None, Parts(0), release_mesh=2)
     ours.send(order)
     settled, released = answer(ours), answer(ours)
     assert isinstance(settled, Settled) and isinstance(released, Released) and released.job == 1
@@ -87,11 +87,11 @@ def test_the_release_follows_and_says_whether_a_print_takes_another_form(ours: C
         energies = [message.shown.numbers["energy_n_mm"] for message in (settled, released.other)]
         assert released.energy_percent == pytest.approx(100.0 * (energies[1] / energies[0] - 1.0))
     # the same design with other parts is not computed again
-    ours.send(Settle(3, held, ".", order.near, None, True, None, 1, release_mesh=4))
+    ours.send(Settle(3, held, ".", order.near, None, Parts(0, smooth=True, version=1), release_mesh=4))
     assert isinstance(ours.recv(), Settled) and isinstance(ours.recv(), Released)
 
 
 def test_a_design_without_an_exact_shape_is_one_line(ours: Connection) -> None:
-    ours.send(Settle(7, table(gravity={"on": True}, pins=[]), ".", None, None, False, None, 0))
+    ours.send(Settle(7, table(gravity={"on": True}, pins=[]), ".", None, None, Parts(0)))
     problem = answer(ours)
     assert isinstance(problem, StudioProblem) and problem.seq == 7 and "\n" not in problem.text

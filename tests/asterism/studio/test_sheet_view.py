@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
-from contextlib import suppress
 from copy import copy
 from dataclasses import replace
 
@@ -12,15 +10,13 @@ import pytest
 from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
-from asterism.homogenize.errors import LawError
-from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.painted_stars import with_painted_stars
 from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.previews.session import Preview
 from asterism.previews.sheet import StarLens
-from asterism.studio.sheet_marks import FABRIC_MM, SheetMarks
+from asterism.studio.sheet_frames import FABRIC_MM, SheetMarks
 from asterism.studio.sheet_view import SheetView
 from tests.asterism.previews.laws import plain_law
 
@@ -97,28 +93,3 @@ def test_a_view_that_follows_strokes_shows_what_a_new_one_shows(
         one, other = (replace(each.frame(preview, 1, "linear", stage.x), mesh=0) for each in (view, fresh))
         for name in ARRAYS:
             assert getattr(one, name) == pytest.approx(getattr(other, name), abs=2e-5), name  # numbers of 4 bytes
-
-
-@pytest.mark.slow
-def test_a_view_shows_each_of_the_designs_of_one_outline_whichever_was_shown_before() -> None:
-    groups: dict[bytes, list[Preview]] = defaultdict(list)
-    for name in gallery.names():
-        with suppress(LawError):  # a material without a law has no preview
-            preview = Preview(gallery.load(name))
-            groups[preview.sheet.layout.outline.tobytes()].append(preview)
-    (previews,) = (group for group in groups.values() if len(group) > 1)
-    assert len(previews) > 10
-
-    def height_mm(view: SheetView, preview: Preview) -> float:
-        assert view.shows(preview)
-        view.stand_up(preview)
-        return view.frame(preview, 0, "equilibrium").height_mm
-
-    # the mesh is that of the first design: its heights differ by about 1 % from those on a design's own mesh
-    alone = {preview: height_mm(SheetView(previews[0], is_fine=False), preview) for preview in previews}
-    assert (
-        min(abs(alone[one] / alone[other] - 1) for one in previews[:3] for other in previews[:3] if one != other) > 0.01
-    )
-    view = SheetView(previews[0], is_fine=False)
-    for preview in (*previews, *previews[-2::-1]):  # neighbours follow each other in both orders
-        assert height_mm(view, preview) == pytest.approx(alone[preview], rel=1e-6), preview.design.name

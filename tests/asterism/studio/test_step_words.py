@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from asterism.studio.step_words import step_words
+from asterism.studio.history import step_words
 
 AT = [[0.0, 0.0], [10.0, 0.0], [20.0, 0.0]]
 

@@ -71,22 +71,18 @@ def test_an_outline_in_svg(client: TestClient):
     assert {tuple(corner) for corner in corners} == CENTRED
 
 
-@pytest.mark.parametrize(
-    "content",
-    [
-        dxf(lambda space: space.add_line((0, 0), (10, 0))),
+def test_drawings_without_an_outline_are_refused_in_one_line(client: TestClient):
+    for content in (
+        dxf(lambda space: space.add_line((0, 0), (10, 0))),  # open
         dxf(lambda space: None),
         dxf(rectangle, unit=3),  # miles
         dxf(lambda space: space.add_lwpolyline([(0, 0), (1e9, 0), (1e9, 1e9)], close=True)),
         b"0\nSECTION\n2\nENTITIES\n0\nLINE\n",
         b"0\nSECTION\n" * 1000,
         b"AutoCAD Binary DXF\r\n\x1a\x00" + b"\xff" * 100,
-    ],
-    ids=["open", "empty", "miles", "huge", "cut", "repeated", "binary"],
-)
-def test_drawings_without_an_outline_are_refused_in_one_line(client: TestClient, content: bytes):
-    answer = client.post(f"/{TOKEN}/upload?kind=outline", content=content, headers={**ORIGIN, "x-name": "a.dxf"})
-    assert answer.status_code == 422 and "\n" not in answer.json()["problem"]["text"]
+    ):
+        answer = client.post(f"/{TOKEN}/upload?kind=outline", content=content, headers={**ORIGIN, "x-name": "a.dxf"})
+        assert answer.status_code == 422 and "\n" not in answer.json()["problem"]["text"], content[-200:]
 
 
 def test_a_grey_picture_becomes_a_profile(client: TestClient, page: Page):

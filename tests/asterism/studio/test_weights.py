@@ -15,7 +15,7 @@ from asterism.studio.messages import Edit
 from asterism.studio.requests import RequestError
 from asterism.studio.studio import Studio
 from asterism.studio.target import Target
-from asterism.studio.weights import SheetWeights, sheet_weights, weights_by_site
+from asterism.studio.weights import sheet_weights, weights_by_site
 from tests.asterism.studio.conftest import Page
 from tests.asterism.studio.test_target import send_roof
 
@@ -120,10 +120,3 @@ def test_the_fit_gets_them_and_its_design_has_its_own(
     assert page.until("result", job="fit")["summary"]["needles"] == 6
     # one star is left, and the nearest of all places of the quick engine's square
     assert weights_by_site(studio.document.table) == {(0, 0): 6.0}
-
-
-def test_weights_of_a_sheet_are_arrays_that_a_process_can_be_sent() -> None:
-    import pickle
-
-    sent = SheetWeights(np.zeros((1, 2)), np.ones(1), np.zeros((3, 2)), np.zeros((3, 3)))
-    assert pickle.loads(pickle.dumps(sent)).weight.tolist() == [1.0]
