@@ -155,6 +155,14 @@ class StudioPage:
         self.item(name).click()
         self.wait(f"studio.opened > {opened}")
 
+    def open_again(self, name: str) -> None:
+        """Open a file of the folder without the work that tests before have left."""
+        self.open(name)
+        forget = self.page.get_by_role("button", name="Forget them")
+        if forget.count():
+            forget.click()
+            self.wait("!studio.document.kept_work.length")
+
     def fill(self, name: str, value: float | str) -> None:
         """Type a value into a field, and press Enter."""
         self.item(name).fill(str(value))

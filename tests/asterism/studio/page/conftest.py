@@ -9,9 +9,12 @@ from typing import Any
 
 import pytest
 
+from asterism.pattern import gallery
 from tests.asterism.studio.browser import VIEWPORT, StudioPage, running_studio
 
-NEEDLES = """
+# so fine that no exact shape follows without a click: to compute shapes that a test is not about takes most of the time
+FINE = "\n[mesh]\nedge_mm = 0.2\n"
+CANOPY = """
 name = "canopy"
 [stars]
 length_mm = 7.0
@@ -21,12 +24,26 @@ rings = 2
 points_mm = [[43.0, 24.8], [-43.0, 24.8], [-43.0, -24.8], [43.0, -24.8]]
 target_mm = [[31.0, 18.0, 0.0], [-31.0, 18.0, 0.0], [-31.0, -18.0, 0.0], [31.0, -18.0, 0.0]]
 """
+EVEN = """
+name = "even"
+[stars]
+length_mm = 8.0
+thickness_mm = 0.3
+[border]
+rings = 3
+"""
+WITHOUT_VIEW = """const getContext = HTMLCanvasElement.prototype.getContext;
+HTMLCanvasElement.prototype.getContext = function (kind, ...options) {
+    return kind === "webgl2" ? null : getContext.call(this, kind, ...options);
+};"""
 
 
 @pytest.fixture(scope="package")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     made = tmp_path_factory.mktemp("studio")
-    (made / "canopy.toml").write_text(NEEDLES, encoding="utf-8")
+    dome = gallery.path("dome").read_text(encoding="utf-8")
+    for name, text in (("canopy", CANOPY), ("even", EVEN), ("plain", dome)):
+        (made / f"{name}.toml").write_text(text + FINE, encoding="utf-8")
     return made
 
 
@@ -44,6 +61,13 @@ def new_page(browser: Any, address: str) -> Iterator[Callable[[], StudioPage]]:
 
 
 @pytest.fixture
+def new_flat_page(browser: Any, address: str) -> Iterator[Callable[[], StudioPage]]:
+    """The same in a browser that cannot draw in space: to draw there takes most of a browser's time."""
+    with pages_of(browser, address, WITHOUT_VIEW) as make:
+        yield make
+
+
+@pytest.fixture
 def page(new_page: Callable[[], StudioPage]) -> StudioPage:
     return new_page()
 
@@ -55,9 +79,18 @@ def shared(browser: Any, address: str) -> Iterator[StudioPage]:
         yield make()
 
 
+@pytest.fixture(scope="module")
+def flat(browser: Any, address: str) -> Iterator[StudioPage]:
+    """The same in a browser that cannot draw in space."""
+    with pages_of(browser, address, WITHOUT_VIEW) as make:
+        yield make()
+
+
 @contextmanager
-def pages_of(browser: Any, address: str) -> Iterator[Callable[[], StudioPage]]:
+def pages_of(browser: Any, address: str, script: str = "") -> Iterator[Callable[[], StudioPage]]:
+    """Makes pages of a studio, each with a script that runs before its own."""
     context = browser.new_context(viewport=VIEWPORT, reduced_motion="reduce")
+    context.add_init_script(script)
     pages: list[StudioPage] = []
 
     def make() -> StudioPage:

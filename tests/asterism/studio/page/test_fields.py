@@ -13,43 +13,43 @@ NUMBERS = {"7,5": 7.5, "7.6 mm": 7.6, " 0,77cm ": 7.7, "2*3 + 1,8": 7.8, "(10-2)
 REFUSED = ["", "seven", "7 kg", "7..5", "2*", "(7", "1,000.5", "7 8", "1/0"]
 
 
-def test_a_field_and_the_table_take_numbers_as_people_type_them(shared: StudioPage) -> None:
-    shared.open("new")
-    shared.item("tool-gradient").click()
+def test_a_field_and_the_table_take_numbers_as_people_type_them(flat: StudioPage) -> None:
+    flat.open_again("file-even.toml")
+    flat.item("tool-gradient").click()
     for typed, value in NUMBERS.items():
-        shared.fill("gradient-number", typed)
-        shared.wait(f"Math.abs(studio.document.design.stars.length_mm - {value}) < 1e-9")
-        assert float(shared.item("gradient-number").input_value()) == pytest.approx(value), typed
-    shared.item("open-table").click()
+        flat.fill("gradient-number", typed)
+        flat.wait(f"Math.abs(studio.document.design.stars.length_mm - {value}) < 1e-9")
+        assert float(flat.item("gradient-number").input_value()) == pytest.approx(value), typed
+    flat.item("open-table").click()
     for typed, value in NUMBERS.items():
-        shared.fill("star-0-length", typed)
-        shared.wait(f"Math.abs(studio.sizes[0][0] - {value}) < 1e-9")
-    shared.page.keyboard.press("Escape")
+        flat.fill("star-0-length", typed)
+        flat.wait(f"Math.abs(studio.sizes[0][0] - {value}) < 1e-9")
+    flat.page.keyboard.press("Escape")
 
 
-def test_what_is_no_number_is_refused_in_the_same_words_everywhere(shared: StudioPage) -> None:
-    shared.open("new")
-    shared.item("tool-gradient").click()
-    shared.item("open-table").click()
+def test_what_is_no_number_is_refused_in_the_same_words_everywhere(flat: StudioPage) -> None:
+    flat.open_again("file-even.toml")
+    flat.item("tool-gradient").click()
+    flat.item("open-table").click()
     for typed in REFUSED:
-        shared.fill("star-0-length", typed)
-        cell = shared.item("star-0-length")
+        flat.fill("star-0-length", typed)
+        cell = flat.item("star-0-length")
         assert (cell.get_attribute("aria-invalid"), cell.get_attribute("title")) == ("true", "A number, please"), typed
-    shared.page.keyboard.press("Escape")
-    revision = shared.get("studio.revision")
+    flat.page.keyboard.press("Escape")
+    revision = flat.get("studio.revision")
     for typed in REFUSED:
-        shared.fill("gradient-number", typed)
-        assert shared.page.locator(".field.bad .fault").inner_text() == "A number, please", typed
-    assert shared.get("studio.revision") == revision
+        flat.fill("gradient-number", typed)
+        assert flat.page.locator(".field.bad .fault").inner_text() == "A number, please", typed
+    assert flat.get("studio.revision") == revision
 
 
-def test_a_name_with_a_slash_is_refused(shared: StudioPage) -> None:
-    shared.open("gallery-star")
-    name = shared.get("studio.document.name")
+def test_a_name_with_a_slash_is_refused(flat: StudioPage) -> None:
+    flat.open_again("file-even.toml")
+    name = flat.get("studio.document.name")
     for wanted in ("towers/star", "towers\\star"):
-        shared.fill("name", wanted)
-        shared.page.locator(".toast.bad", has_text="slash").wait_for()
-        assert shared.item("name").input_value() == shared.get("studio.document.name") == name
+        flat.fill("name", wanted)
+        flat.page.locator(".toast.bad", has_text="slash").wait_for()
+        assert flat.item("name").input_value() == flat.get("studio.document.name") == name
 
 
 SAID = {
@@ -62,6 +62,6 @@ SAID = {
 }  # fmt: skip
 
 
-def test_messages_name_no_options_of_the_command_line(shared: StudioPage) -> None:
+def test_messages_name_no_options_of_the_command_line(flat: StudioPage) -> None:
     shown = "async (said) => said.map((await import('./page/format.js')).withoutOptions)"
-    assert shared.page.evaluate(shown, list(SAID)) == list(SAID.values())
+    assert flat.page.evaluate(shown, list(SAID)) == list(SAID.values())

@@ -13,12 +13,15 @@ from tests.asterism.studio.browser import StudioPage
 pytestmark = pytest.mark.slow
 
 
+def canopy(page: StudioPage) -> StudioPage:
+    page.open_again("file-canopy.toml")
+    page.item("tool-needles").click()
+    return page
+
+
 @pytest.fixture
-def page(shared: StudioPage) -> StudioPage:
-    shared.open("file-canopy.toml")
-    shared.item("tool-needles").click()
-    shared.page.evaluate("studio.draw()")  # the first picture places the camera
-    return shared
+def page(flat: StudioPage) -> StudioPage:
+    return canopy(flat)
 
 
 def table(page: StudioPage) -> dict[str, list[list[float]]]:
@@ -26,59 +29,16 @@ def table(page: StudioPage) -> dict[str, list[list[float]]]:
     return pins
 
 
-def test_four_clicks_on_a_free_sheet_carry_it(shared: StudioPage) -> None:
-    shared.open("new")
-    shared.item("tool-needles").click()
-    corners = shared.get("studio.document.plan.outline_mm")
+def test_four_clicks_on_a_free_sheet_carry_it(flat: StudioPage) -> None:
+    flat.open_again("file-even.toml")
+    flat.item("tool-needles").click()
+    corners = flat.get("studio.document.plan.outline_mm")
     for k in (0, 2, 3, 5):
-        shared.changed(lambda k=k: shared.page.mouse.click(*shared.point(corners[k])))  # type: ignore[misc]
-    pins = table(shared)
+        flat.changed(lambda k=k: flat.page.mouse.click(*flat.point(corners[k])))  # type: ignore[misc]
+    pins = table(flat)
     assert len(pins["points_mm"]) == len(pins["target_mm"]) == 4
     assert pins["points_mm"][1] == pytest.approx(corners[2], abs=0.01)
     assert pins["target_mm"][1] == pytest.approx([value / 1.35 for value in corners[2]] + [0], abs=0.01)
-
-
-def test_a_needle_is_lifted_in_the_view(page: StudioPage) -> None:
-    place = "studio.document.design.pins[0].target_mm[0]"
-    page.page.evaluate("document.getElementById('view-canvas').focus()")
-    box = page.item("view").bounding_box()
-    x, y = page.get(f"studio.viewOf([{place}[0], {place}[1], {place}[2] + 5.5])")
-    mouse = page.page.mouse
-    mouse.move(box["x"] + x, box["y"] + y)
-    assert page.get("document.getElementById('view-canvas').style.cursor") == "ns-resize"
-
-    def lift() -> None:
-        mouse.down()
-        mouse.move(box["x"] + x, box["y"] + y - 60, steps=5)
-        mouse.up()
-
-    page.changed(lift)
-    assert table(page)["target_mm"][0][2] > 5
-    assert table(page)["target_mm"][0][:2] == [31, 18]
-    assert page.item("needle-target-z").input_value() == str(table(page)["target_mm"][0][2])
-
-
-def test_several_needles_are_lifted_in_the_view(page: StudioPage) -> None:
-    page.page.keyboard.press("Escape")
-    page.page.evaluate("document.getElementById('view-canvas').focus()")
-    box = page.item("view").bounding_box()
-    mouse = page.page.mouse
-    page.page.keyboard.down("Control")
-    for k in (0, 3):
-        target = table(page)["target_mm"][k]
-        x, y = page.get(f"studio.viewOf([{target[0]}, {target[1]}, {target[2] + 3.4}])")
-        mouse.click(box["x"] + x, box["y"] + y)
-    page.page.keyboard.up("Control")
-    page.item("several-height").wait_for()
-
-    def lift() -> None:
-        mouse.down()
-        mouse.move(box["x"] + x, box["y"] + y - 60, steps=5)
-        mouse.up()
-
-    page.changed(lift)
-    heights = [target[2] for target in table(page)["target_mm"]]
-    assert heights[0] == heights[3] > 5 and heights[1] == heights[2] == 0
 
 
 def test_needles_are_drawn_together_by_one_number(page: StudioPage) -> None:
@@ -108,24 +68,24 @@ def test_a_needle_is_removed_and_the_sheet_freed(page: StudioPage) -> None:
     assert not page.get("studio.document.design.pins")
 
 
-def test_a_group_is_split_and_its_needles_are_lifted_alone_and_together(shared: StudioPage) -> None:
-    shared.open("new")
-    shared.item("tool-needles").click()
-    shared.changed(lambda: shared.item("hold-corners").click())
-    shared.page.evaluate("document.getElementById('plan-canvas').focus()")
-    shared.changed(lambda: shared.page.keyboard.press("PageUp"))  # the whole group, which is chosen
-    assert shared.get("studio.document.design.pins[0].offset_mm") == [0, 0, 1]
-    shared.changed(lambda: shared.item("split-support").click())
-    before = table(shared)
+def test_a_group_is_split_and_its_needles_are_lifted_alone_and_together(flat: StudioPage) -> None:
+    flat.open_again("file-even.toml")
+    flat.item("tool-needles").click()
+    flat.changed(lambda: flat.item("hold-corners").click())
+    flat.page.evaluate("document.getElementById('plan-canvas').focus()")
+    flat.changed(lambda: flat.page.keyboard.press("PageUp"))  # the whole group, which is chosen
+    assert flat.get("studio.document.design.pins[0].offset_mm") == [0, 0, 1]
+    flat.changed(lambda: flat.item("split-support").click())
+    before = table(flat)
     assert len(before["points_mm"]) == 6 and {z for _, _, z in before["target_mm"]} == {1}
-    shared.changed(lambda: shared.fill("needle-target-z", 12))
-    assert [z for _, _, z in table(shared)["target_mm"]] == [12, 1, 1, 1, 1, 1]
-    shared.page.mouse.click(*shared.point(before["points_mm"][1]))
-    shared.page.keyboard.down("Control")
-    shared.page.mouse.click(*shared.point(before["points_mm"][2]))
-    shared.page.keyboard.up("Control")
-    shared.changed(lambda: shared.fill("several-height", 5))
-    assert [z for _, _, z in table(shared)["target_mm"]] == [12, 5, 5, 1, 1, 1]
+    flat.changed(lambda: flat.fill("needle-target-z", 12))
+    assert [z for _, _, z in table(flat)["target_mm"]] == [12, 1, 1, 1, 1, 1]
+    flat.page.mouse.click(*flat.point(before["points_mm"][1]))
+    flat.page.keyboard.down("Control")
+    flat.page.mouse.click(*flat.point(before["points_mm"][2]))
+    flat.page.keyboard.up("Control")
+    flat.changed(lambda: flat.fill("several-height", 5))
+    assert [z for _, _, z in table(flat)["target_mm"]] == [12, 5, 5, 1, 1, 1]
 
 
 def test_needles_follow_another_stretch_by_one_button(page: StudioPage) -> None:
@@ -164,3 +124,39 @@ def test_a_needle_is_duplicated_and_the_copy_is_chosen(page: StudioPage) -> None
     page.page.get_by_text(f"Needle {len(after['points_mm'])}").wait_for()
     page.changed(page.item("undo").click)
     assert table(page) == before
+
+
+def test_needles_are_lifted_in_the_view_alone_and_together(shared: StudioPage) -> None:
+    page, mouse = canopy(shared), shared.page.mouse
+    page.page.evaluate("studio.draw()")  # the first picture places the camera
+    page.page.evaluate("document.getElementById('view-canvas').focus()")
+    box = page.item("view").bounding_box()
+
+    def head(number: int) -> tuple[float, float]:
+        x, y, z = table(page)["target_mm"][number]
+        at = page.get(f"studio.viewOf([{x}, {y}, {z + 3.4}])")
+        return box["x"] + at[0], box["y"] + at[1]
+
+    def lift(number: int) -> None:
+        x, y = head(number)
+        mouse.move(x, y)
+        assert page.get("document.getElementById('view-canvas').style.cursor") == "ns-resize"
+        mouse.down()
+        mouse.move(x, y - 60, steps=5)
+        mouse.up()
+
+    page.changed(lambda: lift(0))
+    assert table(page)["target_mm"][0][2] > 5
+    assert table(page)["target_mm"][0][:2] == [31, 18]
+    assert page.item("needle-target-z").input_value() == str(table(page)["target_mm"][0][2])
+    page.changed(page.item("undo").click)
+
+    page.page.keyboard.press("Escape")
+    page.page.keyboard.down("Control")
+    for number in (0, 3):
+        mouse.click(*head(number))
+    page.page.keyboard.up("Control")
+    page.item("several-height").wait_for()
+    page.changed(lambda: lift(3))
+    heights = [target[2] for target in table(page)["target_mm"]]
+    assert heights[0] == heights[3] > 5 and heights[1] == heights[2] == 0

@@ -16,10 +16,10 @@ CORNERS_MM = [(0.0, 0.0), (120.0, 0.0), (120.0, 90.0), (60.0, 70.0), (0.0, 90.0)
 
 
 @pytest.fixture
-def page(shared: StudioPage) -> StudioPage:
-    shared.open("gallery-dome")
-    shared.item("tool-outline").click()
-    return shared
+def page(flat: StudioPage) -> StudioPage:
+    flat.open_again("file-plain.toml")
+    flat.item("tool-outline").click()
+    return flat
 
 
 def outline(page: StudioPage) -> list[list[float]]:
