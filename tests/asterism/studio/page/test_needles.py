@@ -60,8 +60,10 @@ def test_needles_slide_along_themselves(page: StudioPage) -> None:
     assert page.get("typeof studio.document.design.pins[0].slide") == "undefined"
 
 
-def test_a_needle_is_removed_and_the_sheet_freed(page: StudioPage) -> None:
-    page.page.mouse.click(*page.point((43.0, 24.8)))
+def test_a_needle_is_moved_and_removed_and_the_sheet_freed(page: StudioPage) -> None:
+    page.changed(lambda: page.drag((43.0, 24.8), (36.0, 20.0)))
+    assert table(page)["points_mm"][0] == pytest.approx([36.0, 20.0], abs=1.0)
+    page.page.mouse.click(*page.point(table(page)["points_mm"][0]))
     page.changed(lambda: page.item("remove-needle").click())
     assert len(table(page)["points_mm"]) == 3
     page.changed(lambda: page.item("free-sheet").click())
