@@ -61,13 +61,6 @@ def new_page(browser: Any, address: str) -> Iterator[Callable[[], StudioPage]]:
 
 
 @pytest.fixture
-def new_flat_page(browser: Any, address: str) -> Iterator[Callable[[], StudioPage]]:
-    """The same in a browser that cannot draw in space: to draw there takes most of a browser's time."""
-    with pages_of(browser, address, WITHOUT_VIEW) as make:
-        yield make
-
-
-@pytest.fixture
 def page(new_page: Callable[[], StudioPage]) -> StudioPage:
     return new_page()
 
@@ -81,7 +74,7 @@ def shared(browser: Any, address: str) -> Iterator[StudioPage]:
 
 @pytest.fixture(scope="module")
 def flat(browser: Any, address: str) -> Iterator[StudioPage]:
-    """The same in a browser that cannot draw in space."""
+    """The same in a browser that cannot draw in space: to draw there takes most of a browser's time."""
     with pages_of(browser, address, WITHOUT_VIEW) as make:
         yield make()
 

@@ -58,9 +58,14 @@ def test_a_gradient_over_the_whole_sheet_comes_with_one_click_and_its_ends_keep_
     assert shared.item("gradient-kind-number").get_attribute("aria-checked") == "true"
 
 
-def test_a_formula_gives_the_sizes(page: StudioPage) -> None:
+def test_a_formula_gives_the_sizes_and_a_mistake_in_it_is_told_below(page: StudioPage) -> None:
     page.item("tool-gradient").click()
     page.item("gradient-kind-formula").click()
+    page.item("formula").fill("10 - nonsense(x)")
+    page.item("use-formula").click()
+    page.wait("!document.querySelector('[data-testid=formula-fault]').hidden")
+    assert "nonsense" in page.item("formula-fault").inner_text()
+    assert page.get("typeof studio.document.design.stars.length_mm.formula") == "undefined"
     page.item("formula").fill("6 + x/50")
     page.changed(lambda: page.item("use-formula").click())
     sites = page.get("studio.document.plan.sites")
