@@ -13,6 +13,14 @@ class Clock:
     Attributes
     ----------
     seconds : wall time by part.
+
+    Examples
+    --------
+    >>> clock = Clock()
+    >>> with clock("sum"):
+    ...     total = sum([1, 2, 3])
+    >>> list(clock.seconds)
+    ['sum']
     """
 
     def __init__(self) -> None:

@@ -228,6 +228,13 @@ class Canvas:
     Attributes
     ----------
     image : the picture, RGB.
+
+    Examples
+    --------
+    >>> canvas = Canvas(200, 40)
+    >>> canvas.text(10, 12, "dome", size=8, color="#000000")
+    >>> canvas.image.getextrema()[0]
+    (0, 255)
     """
 
     def __init__(self, width: int, height: int) -> None:

@@ -96,7 +96,15 @@ class Units:
 
 
 def read_inputs(parameters: tuple[Parameter, ...], request: Mapping[str, Any], units: Units) -> dict[str, list[Any]]:
-    """The values of a request by the names of the inputs; lengths in mm, defaults filled in. BadInputs for others."""
+    """The values of a request by the names of the inputs; lengths in mm, defaults filled in. BadInputs for others.
+
+    Raises
+    ------
+    BadInputs
+        The request has other inputs than the component.
+    InputError
+        A value is wrong; the message names it.
+    """
     trees, known = request.get("values"), {parameter.name: parameter for parameter in parameters}
     if not isinstance(trees, list) or not all(isinstance(tree, dict) for tree in trees):
         raise InputError("values: must be a list of inputs")

@@ -29,7 +29,14 @@ LABEL_COLUMN = 11
 
 
 def law_record(law: Law[Any]) -> LawRecord:
-    """The summary of a law."""
+    """The summary of a law.
+
+    Examples
+    --------
+    >>> from asterism.homogenize.law.law_file import load_law
+    >>> law_record(load_law()).table()["stretches"]
+    '1.35, 1.75'
+    """
     plan = law.plan.to_dict()
     return LawRecord.from_json(
         {

@@ -15,7 +15,19 @@ from asterism.pattern.layout.free_motions import check_weight_is_supported
 
 
 def material_in_words(path: Path) -> str:
-    """One line on a material file: the plastic, the fabric, where the values come from and when they were measured."""
+    """One line on a material file: the plastic, the fabric, where the values come from and when they were measured.
+
+    Raises
+    ------
+    DesignError
+        The file is not a material.
+
+    Examples
+    --------
+    >>> from asterism.pattern.design.material_files import material_files
+    >>> material_in_words(material_files()["paper"]).split("; ")[0]
+    'E1/E2 3200 (paper), kappa_bar 0 /mm'
+    """
     material = load_material(path, plan_is_used=False)
     plastic, fabric, measured = material.plastic, material.fabric, material.measured
     kept = plastic.kappa_bar_per_mm

@@ -53,7 +53,13 @@ class Slider:
 
 
 class SliderBoard:
-    """The sliders of the design of a preview when it is shown, in the order of `keys`; by default all that it has."""
+    """The sliders of the design of a preview when it is shown, in the order of `keys`; by default all that it has.
+
+    Raises
+    ------
+    ValueError
+        A key is no slider, or the design does not have it.
+    """
 
     def __init__(self, design: Design, layout: Layout, law: StarLaw, keys: Sequence[str] | None = None) -> None:
         self._design, self._layout = design, layout
@@ -74,7 +80,13 @@ class SliderBoard:
         return {slider.key: slider.start for slider in self.sliders}
 
     def checked(self, values: Mapping[str, Any]) -> dict[str, float]:
-        """Values within the ranges of the sliders; those that are left out are the design's own."""
+        """Values within the ranges of the sliders; those that are left out are the design's own.
+
+        Raises
+        ------
+        ValueError
+            There is no such slider, or a value is no number.
+        """
         out = self.start
         by_key = {slider.key: slider for slider in self.sliders}
         for key, value in values.items():

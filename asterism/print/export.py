@@ -182,6 +182,11 @@ def printed_shape(
 
     Without `preview` or `simulate`, the preview is computed if rounding changes the design, or if there are needles. If
     it has no law for the fabric or the pattern, the change has the `model` None and the reason in `why`.
+
+    Raises
+    ------
+    LawError
+        `preview` is set, and the preview has no law for this fabric.
     """
     if not (simulate or preview or job.is_rounded or (job.needles and job.shape is None)):
         return None, None

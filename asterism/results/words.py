@@ -148,6 +148,12 @@ class PlacedWarning(str):
     Attributes
     ----------
     stars : numbers of the stars.
+
+    Examples
+    --------
+    >>> warning = PlacedWarning("2 stars curl too tightly", stars=[3, 7])
+    >>> warning, warning.stars
+    ('2 stars curl too tightly', (3, 7))
     """
 
     stars: tuple[int, ...]

@@ -108,7 +108,23 @@ def tube_radius(points: Floats, normals: Floats) -> float | None:
 
 
 def needle_clearance(layout: Layout, shape: Shape) -> tuple[float, float] | None:
-    """The heights (mm) of a sheet over its highest support and below its lowest one; None for a free sheet."""
+    """The heights (mm) of a sheet over its highest support and below its lowest one; None for a free sheet.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from asterism.pattern.layout.build import layout
+    >>> from asterism.pattern.gallery import load
+    >>> plan = layout(load("dome"))
+    >>> corners = np.vstack([plan.outline, [[0.0, 0.0]]])
+    >>> rim = np.arange(len(plan.outline))
+    >>> fan = np.column_stack([rim, np.roll(rim, -1), np.full(len(rim), len(rim))])
+    >>> height = np.append(np.zeros(len(rim)), 12.0)
+    >>> positions, no_star = np.column_stack([corners, height]), np.full(len(height), -1)
+    >>> tent = Shape(corners, positions, fan, no_star, (), np.array([len(rim)]))
+    >>> [round(height, 6) for height in needle_clearance(plan, tent)]
+    [12.0, 0.0]
+    """
     printed = layout.support_samples.printed
     if len(printed) == 0:
         return None

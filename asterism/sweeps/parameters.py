@@ -107,7 +107,13 @@ class SweepParameter:
 
 
 def with_whole_ranges(design: Design, parameters: Sequence[SweepParameter]) -> tuple[SweepParameter, ...]:
-    """The parameters; ranges of entries that take whole numbers only are ranges of whole numbers."""
+    """The parameters; ranges of entries that take whole numbers only are ranges of whole numbers.
+
+    Raises
+    ------
+    SweepError
+        Such a range begins or ends with a fraction.
+    """
     return tuple(_whole_range(each) if each.limits and _is_count(design, each) else each for each in parameters)
 
 

@@ -22,7 +22,13 @@ MIN_CERTAIN_GAP = 0.005
 
 
 def same_energy(one: float, other: float) -> bool:
-    """Whether the energies (N mm) of two minima are equal up to the accuracy of the solver."""
+    """Whether the energies (N mm) of two minima are equal up to the accuracy of the solver.
+
+    Examples
+    --------
+    >>> same_energy(1808.98, 1808.9801), same_energy(1808.98, 1809.98)
+    (True, False)
+    """
     return abs(one - other) <= MAX_EQUAL_ENERGY_GAP * abs(one)
 
 

@@ -187,7 +187,13 @@ class SideMembrane(Elements):
 
 
 def flat_share(triangles: Array, closed: bool) -> Array:
-    """(T,) share of each flat triangle in its energy."""
+    """(T,) share of each flat triangle in its energy.
+
+    Examples
+    --------
+    >>> flat_share(np.array([[0, 1, 2], [0, 2, 3]]), False).round(3)
+    array([0.733, 0.733])
+    """
     if closed:
         return np.full(len(triangles), FLAT_SHARE)
     sides = np.sort(np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=2), axis=2).reshape(-1, 2)

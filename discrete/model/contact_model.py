@@ -53,7 +53,13 @@ class ContactModel(DiscreteModel):
         self._free_index[self.free] = np.arange(len(self.free))
 
     def factor(self, backend: str = "auto") -> Factor:
-        """A factorisation that is analysed anew when the pattern changes."""
+        """A factorisation that is analysed anew when the pattern changes.
+
+        Raises
+        ------
+        BackendError
+            The backend is multigrid, which needs a constant pattern.
+        """
         return ReanalysingFactor(self, backend)
 
     def energies(self, state: State) -> dict[str, float]:
@@ -198,7 +204,13 @@ def _entry_keys(rows: Ints, columns: Ints, size: int) -> Ints:
 
 
 class ReanalysingFactor:
-    """A `Factor` that analyses the model's sparsity pattern again when another object takes its place."""
+    """A `Factor` that analyses the model's sparsity pattern again when another object takes its place.
+
+    Raises
+    ------
+    BackendError
+        The backend is multigrid: its coarse level cannot follow a changing pattern.
+    """
 
     def __init__(self, problem: ContactModel, backend: str) -> None:
         if backend == "amg":

@@ -98,6 +98,22 @@ class DiscreteModel(System):
         rod_twist, and rod_joints if there are joints.
     release : 0 for the stretched print, 1 for the released sheet; see `set_release`.
     pin_progress : part of their way that the pins have moved. It equals the release, except for pins that act later.
+
+    Examples
+    --------
+    One star, as printed and not yet released: the fabric holds all the energy.
+
+    >>> from asterism.pattern import gallery
+    >>> from asterism.pattern.layout.build import layout
+    >>> from asterism.pattern.mesh.meshing import mesh_layout
+    >>> design = gallery.load("star")
+    >>> plan = layout(design)
+    >>> model = DiscreteModel(design, plan, mesh_layout(plan, 4.0))
+    >>> sorted(model.parts)
+    ['folds', 'membrane', 'membrane_sides', 'plate', 'rod_bending', 'rod_stretch', 'rod_twist']
+    >>> energies = model.energies(model.printed_state())
+    >>> energies["membrane"] > 10 * energies["rod_bending"] > 0 and abs(energies["rod_stretch"]) < 1e-12
+    True
     """
 
     def __init__(self, design: Design, layout: Layout, mesh: Mesh, bending_mesh: BendingMesh | None = None) -> None:

@@ -42,6 +42,26 @@ class Reconstruction:
     weight : (T,) N mm, shear modulus times rest volume.
     edge_weight : (R,) N/mm, axial stiffness EA/l.
     held : (V, 3) bool, components of vertices that do not move.
+
+    Raises
+    ------
+    ValueError
+        A part of the mesh is connected to no support, or the free mesh has more than one part.
+
+    Examples
+    --------
+    Half of a strip of two triangles is held; its free vertices follow a prescribed stretch of 10 % along x:
+
+    >>> points = np.array([[0, 0], [0, 1], [1, 0], [1, 1.0]])
+    >>> triangles, edges = np.array([[0, 2, 1], [2, 3, 1]]), np.empty((0, 2), dtype=int)
+    >>> from asterism.pattern.geometry.planar import triangle_gradients
+    >>> held = np.repeat([[True], [True], [False], [False]], 3, axis=1)
+    >>> ones = np.ones(2)
+    >>> solver = Reconstruction(triangles, edges, triangle_gradients(points, triangles), ones, np.empty(0), held)
+    >>> stretch = np.zeros((2, 3, 2))
+    >>> stretch[:, 0, 0] = 0.1
+    >>> solver.displacements(stretch, np.empty((0, 3)))[2].round(6) + 0.0
+    array([0.1, 0. , 0. ])
     """
 
     def __init__(

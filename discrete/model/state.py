@@ -47,6 +47,17 @@ def moved_state(state: State, edges: Array, positions: Array, turn: Array, spin:
     positions : (V, 3) mm.
     turn : (R,) rad, rotation of each director about its edge.
     spin : (J, 3) rad, rotation vector of each joint; by default they do not rotate.
+
+    Examples
+    --------
+    An edge along x is laid along z; its director follows, then rotates by 90 degrees:
+
+    >>> edges, flat = np.array([[0, 1]]), State(np.array([[0, 0, 0], [1, 0, 0.0]]), np.array([[0, 0, 1.0]]))
+    >>> upright = np.array([[0, 0, 0], [0, 0, 1.0]])
+    >>> moved_state(flat, edges, upright, np.array([0.0])).directors.round(6) + 0.0
+    array([[-1.,  0.,  0.]])
+    >>> moved_state(flat, edges, upright, np.array([np.pi / 2])).directors.round(6) + 0.0
+    array([[ 0., -1.,  0.]])
     """
     t1 = edge_tangents(positions, edges)
     d = parallel_transport(state.directors, edge_tangents(state.positions, edges), t1)

@@ -36,6 +36,20 @@ class System:
     load_datum : (3,) mm, position at which the potential of the dead load is zero; the origin by default.
     free : indices of the dofs that move.
     pattern : sparsity pattern of the Hessian over the free dofs.
+
+    Examples
+    --------
+    A spring of one rod edge (EA = 100 N, 10 mm) that carries 1 N at its end, with only that end free to move along x:
+
+    >>> from asterism.discrete.energies.rods.stretch import RodStretch
+    >>> from asterism.equilibrium.newton.minimise import minimise
+    >>> spring = RodStretch(np.arange(6)[None], np.arange(6)[None], np.array([[100.0, 10.0]]))
+    >>> edges, held = np.array([[0, 1]]), np.array([True, True, True, False, True, True, True])
+    >>> system = System({"spring": spring}, 2, edges, held, load=np.array([0, 0, 0, 1.0, 0, 0]))
+    >>> start = State(np.array([[0, 0, 0], [10, 0, 0.0]]), np.array([[0, 0, 1.0]]))
+    >>> result = minimise(system, start, system.factor("superlu"), tolerance=1e-9)
+    >>> round(float(result.state.positions[1, 0]), 6)
+    10.1
     """
 
     def __init__(

@@ -94,6 +94,20 @@ def solve_on_mesh(
     ------
     ValueError
         A given state intersects itself, and the model has contact.
+
+    Examples
+    --------
+    A single star without rest curvature of its arms, as coarse as it can be meshed:
+
+    >>> from asterism.pattern import gallery
+    >>> from asterism.pattern.layout.build import layout
+    >>> from asterism.pattern.mesh.meshing import mesh_layout
+    >>> design = gallery.load("star")
+    >>> plan = layout(design)
+    >>> model = DiscreteModel(design, plan, mesh_layout(plan, 6.0))
+    >>> equilibrium = solve_on_mesh(model, ReleaseStart(releases=(0.3, 1.0)), backend="superlu")
+    >>> equilibrium.is_minimum, equilibrium.stars_up, [step.release for step in equilibrium.path]
+    (True, 1, [0.3, 1.0, 1.0])
     """
     continuation = _Continuation(backend, report, coarse)
     if isinstance(start, Equilibrium):

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Literal
+from itertools import pairwise
+from typing import Literal, get_args
 
 import numpy as np
 
@@ -29,7 +30,21 @@ TWO_STEP_RELEASE = (0.3, 1.0)
 
 @dataclass(frozen=True)
 class ReleaseStart:
-    """One start of a release."""
+    """One start of a release.
+
+    Raises
+    ------
+    ValueError
+        The releases do not grow from 0 to 1, the bend has no such name or no sag, or a branch is not -1, 0 or 1.
+
+    Examples
+    --------
+    >>> ReleaseStart(bend="roll", axis_deg=45.0, sag_mm=12.0, releases=SUDDEN_RELEASE).name
+    'default'
+    >>> ReleaseStart(bend="dome")
+    Traceback (most recent call last):
+    ValueError: sag_mm = 0.0: a bend needs one above 0
+    """
 
     name: str = "default"  # shown in reports
     bumps: bool = True  # every star starts with a bump to the side of its branch; otherwise flat
@@ -44,11 +59,26 @@ class ReleaseStart:
     seed: int = 0  # seed of the noise
     releases: tuple[float, ...] = GRADUAL_RELEASE  # releases of the continuation; the last is 1
 
+    def __post_init__(self) -> None:
+        steps = (0.0, *self.releases)
+        if len(steps) < 2 or steps[-1] != 1.0 or not all(a <= b for a, b in pairwise(steps)):
+            raise ValueError(f"releases = {self.releases}: must grow from 0 or more, and the last must be 1")
+        if self.branch is not None and not {*self.branch} <= {-1, 0, 1}:
+            raise ValueError(f"branch = {self.branch}: must be 1 up, -1 down or 0 free for each star")
+        if self.bend not in get_args(SheetBend):
+            raise ValueError(f"bend = {self.bend!r}: must be one of {', '.join(get_args(SheetBend))}")
+        if self.bend != "none" and not self.sag_mm > 0.0:
+            raise ValueError(f"sag_mm = {self.sag_mm}: a bend needs one above 0")
+
     def branches(self, model: DiscreteModel) -> Array:
-        """(S,) 1 up, -1 down or 0 free."""
+        """(S,) 1 up, -1 down or 0 free; ValueError if `branch` has not one entry for each star."""
         if not self.bumps:
             return np.zeros(len(model.layout.centres), dtype=np.int64)
-        return model.layout.star_branch if self.branch is None else np.asarray(self.branch)
+        if self.branch is None:
+            return model.layout.star_branch
+        if len(self.branch) != len(model.layout.centres):
+            raise ValueError(f"branch: must be of {len(model.layout.centres)} stars, not {len(self.branch)}")
+        return np.asarray(self.branch)
 
     def initial_state(self, model: DiscreteModel) -> State:
         """The first state, at the present release of the model."""

@@ -159,6 +159,21 @@ def make_factor(pattern: SparsePattern, backend: str = "auto") -> Factor:
     ------
     BackendError
         The backend is unknown or not installed.
+
+    Examples
+    --------
+    A chain of two springs between three unknowns, on a soft foundation:
+
+    >>> import numpy as np
+    >>> from asterism.equilibrium.linear.sparse_pattern import SparsePattern
+    >>> pattern = SparsePattern([np.array([[0, 1], [1, 2]])], 3, np.arange(3))
+    >>> data = pattern.assemble([np.array([[1.0, -1.0, 1.0], [1.0, -1.0, 1.0]])])
+    >>> data[pattern.diagonal] += 1.0
+    >>> factor = make_factor(pattern, "superlu")
+    >>> factor.factorise(data)
+    True
+    >>> factor.solve(np.array([1.0, 0.0, 0.0])).round(3).tolist()
+    [0.625, 0.25, 0.125]
     """
     check_backend(backend)
     if backend != "auto":
@@ -198,6 +213,12 @@ def physical_memory_mb() -> float:
 
 
 def check_backend(backend: str) -> None:
-    """Refuse a backend that is unknown or not installed."""
+    """Refuse a backend that is unknown or not installed.
+
+    Raises
+    ------
+    BackendError
+        The backend is unknown or not installed.
+    """
     if backend != "auto" and backend not in available():
         raise BackendError(f"backend: {backend!r} is not available; use auto or {' or '.join(available())}")

@@ -48,7 +48,13 @@ class ConjugateGradients:
         self.step_length = 0.0
 
     def step(self) -> None:
-        """One iteration."""
+        """One iteration.
+
+        Raises
+        ------
+        NotPositiveDefiniteError
+            The curvature along the next direction is not positive.
+        """
         p = self._direction
         image = self._product(p)
         curvature = float(p @ image)

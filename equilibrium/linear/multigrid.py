@@ -94,7 +94,13 @@ class MultigridFactor:
         return self._coarse.factorise(galerkin.data)
 
     def solve(self, b: Floats, tolerance: float = RELATIVE_RESIDUAL) -> Floats:
-        """Solution of A x = b up to a relative residual; b (size,) or (size, k)."""
+        """Solution of A x = b up to a relative residual; b (size,) or (size, k).
+
+        Raises
+        ------
+        NotPositiveDefiniteError
+            The iteration meets negative curvature.
+        """
         if self._direct:
             return self._coarse.solve(b)
         if b.ndim == 2:

@@ -41,6 +41,23 @@ def smallest_eigenvalue(
 
     Lanczos iteration with the inverse of `H + shift I`. The shift grows until this matrix is positive definite, so that
     no eigenvalue is missed below. If H does not exactly map the modes to zero, the value is that of the projected H.
+
+    Raises
+    ------
+    FloatingPointError
+        The matrix is not finite.
+
+    Examples
+    --------
+    The softest mode of a free chain of two unit springs, without its translation:
+
+    >>> from asterism.equilibrium.linear.backends import make_factor
+    >>> pattern = SparsePattern([np.array([[0, 1], [1, 2]])], 3, np.arange(3))
+    >>> data = pattern.assemble([np.array([[1.0, -1.0, 1.0], [1.0, -1.0, 1.0]])])
+    >>> translation = np.full((3, 1), 3.0**-0.5)
+    >>> pair = smallest_eigenvalue(pattern, data, make_factor(pattern, "superlu"), translation)
+    >>> round(pair.value, 6)
+    1.0
     """
     if not np.isfinite(data).all():
         raise FloatingPointError("the Hessian is not finite")

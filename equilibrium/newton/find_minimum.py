@@ -48,6 +48,11 @@ def find_minimum(
     iterate : takes a state to a stationary point, or fails; after a failure `minimise` continues.
     max_change : largest change of an unknown when a saddle point is left.
     max_iterations : of `minimise`; 0 ends the search after a failure of `iterate`.
+
+    Raises
+    ------
+    FloatingPointError
+        The Hessian is not finite.
     """
     clock = Clock()
     point = Minimum(start, np.inf, np.inf, tolerance, seconds=clock.seconds)

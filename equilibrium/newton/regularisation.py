@@ -51,7 +51,13 @@ class Regularisation:
         self._support: Ints = np.empty(0, dtype=np.int64)
 
     def direction(self, state: AnyState, gradient: Floats) -> Floats:
-        """Descent direction (size,) from a positive definite matrix close to the Hessian."""
+        """Descent direction (size,) from a positive definite matrix close to the Hessian.
+
+        Raises
+        ------
+        FloatingPointError
+            The Hessian is not finite.
+        """
         if self._iterative and isinstance(self._problem, HasNearNullspace):
             self._iterative.set_near_nullspace(*self._problem.near_nullspace(state))
         with self._clock("support"):

@@ -33,6 +33,19 @@ def softest_modes(mass: MassOperator, factor: Factor, rigid: Floats, count: int)
     factor : holds H on an isostatic support, positive definite (see `find_minimum.is_definite_on_support`).
     rigid : (size, r) motions that H maps to zero, left out of the modes; r may be 0.
     count : number of modes; the result has fewer if the problem has fewer.
+
+    Examples
+    --------
+    >>> from asterism.equilibrium.linear.backends import make_factor
+    >>> from asterism.equilibrium.linear.sparse_pattern import SparsePattern
+    >>> pattern = SparsePattern([np.array([[0, 1], [1, 2]])], 3, np.arange(1, 3))  # the first unknown is held
+    >>> data = pattern.assemble([np.array([[1.0, -1.0, 1.0], [1.0, -1.0, 1.0]])])
+    >>> factor = make_factor(pattern, "superlu")
+    >>> factor.factorise(data)
+    True
+    >>> values, modes = softest_modes(np.eye(2), factor, np.empty((2, 0)), 2)
+    >>> values.round(4).tolist()
+    [0.382, 2.618]
     """
     size, motions = rigid.shape
     count = min(count, size - motions)

@@ -51,6 +51,19 @@ def plan_for_design(
     ----------
     layout : of the design; computed if it is needed.
     known, edge_mm : as of `plan_for_sizes`.
+
+    Examples
+    --------
+    >>> motif = [{"line_mm": [(0, 0), (10, 0)]}, {"line_mm": [(0, 0), (0, 10)]}]
+    >>> thickness = {"profile": "radial", "from": 0.4, "to": 0.5, "over_mm": 30}
+    >>> grid = Design.from_dict({
+    ...     "rods": {"motif": motif, "thickness_mm": thickness}, "lattice": {"kind": "square", "spacing_mm": 10.0},
+    ...     "border": {"rectangle_mm": (60, 60)},
+    ... })
+    >>> for size in plan_for_design(grid).sizes:
+    ...     print(size.key, size.lines, size.nodes)
+    thickness_mm (0, 1) (0.4, 0.4472, 0.5)
+    width_mm (0, 1) (1.2,)
     """
     if (refused := without_law(design)) is not None:
         raise refused

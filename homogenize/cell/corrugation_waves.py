@@ -28,7 +28,14 @@ WAVE_TOLERANCE = 1e-9
 
 @dataclass(frozen=True)
 class CorrugationWaves:
-    """The waves of a lattice and its stars."""
+    """The waves of a lattice and its stars.
+
+    Examples
+    --------
+    >>> waves = CorrugationWaves.of(Lattice())
+    >>> len(waves), waves(np.zeros((1, 2)))[0, :2]  # at a star's centre
+    (12, array([1., 0.]))
+    """
 
     reciprocal: Floats  # (W, n, 2) 1/mm, reciprocal vectors G that each wave is the mean of
     odd: NDArray[np.bool_]  # (W,) True for sines

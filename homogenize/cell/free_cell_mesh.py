@@ -73,6 +73,11 @@ def free_cell_mesh(
     edge_mm : about, of the mesh; edges are shorter where arms of different stars come close.
     surrounded : the mesh includes the triangles around, whose points are then unfolded too.
     group : (G, 2, 2) rotations and reflections of star and lattice, whose symmetry the mesh has; none by default.
+
+    Raises
+    ------
+    MeshError
+        See `conforming_triangulation`.
     """
     vectors = np.asarray(lattice_vectors, dtype=float)
     edge_mm = min(edge_mm, float(np.linalg.norm(vectors, axis=1).min()) / 3.0)
@@ -255,6 +260,11 @@ def graded_steps(fine: Floats, longest: float, gap: Floats) -> Floats:
     fine : (m,) mm, increasing positions at which the gap is known.
     longest : mm, of an edge.
     gap : (m,) mm, distance to other arms.
+
+    Examples
+    --------
+    >>> graded_steps(np.linspace(0.0, 6.0, 61), 2.0, np.full(61, np.inf)).round(9).tolist()
+    [0.0, 2.0, 4.0, 6.0]
     """
     wish = np.minimum(longest, MAX_EDGE_TO_GAP_RATIO * gap)
     wish = (wish + LINE_EDGE_GROWTH * np.abs(fine[:, None] - fine)).min(axis=1)
@@ -274,6 +284,11 @@ def motif_cell_mesh(
     ----------
     edge_mm : about, of the mesh; edges are shorter where rods come close, and where they curve.
     surrounded : the mesh includes the triangles around, whose points are then unfolded too.
+
+    Raises
+    ------
+    MeshError
+        See `conforming_triangulation`.
     """
     vectors = motif.vectors
     edge_mm = min(edge_mm, float(np.linalg.norm(vectors, axis=1).min()) / MIN_EDGES_A_CELL)

@@ -65,6 +65,13 @@ def compare_with_larger_cell(design: Design, edge_mm: float, flat: FlatCell) -> 
     """One flat cell and 2 x 2 cells of a design's motif, with the same mesh.
 
     The larger cell is released from the flat print with a slight noise in height, once for each of `NOISE_SEEDS`.
+
+    Raises
+    ------
+    ValueError, DesignError, MeshError
+        See `UnitCell`.
+    ArithmeticError
+        A cell has no equilibrium.
     """
     larger = UnitCell(design, edge_mm, LARGER_CELL)
     try:
@@ -177,7 +184,16 @@ GAUSSIAN: Floats = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -0.5]]
 
 
 def completed_by_rods(stiffness: Floats, rods: Floats) -> Floats:
-    """(3, 3) N mm, a stiffness known up to a multiple of det K, with the mean of Q12 over all axes of the rods."""
+    """(3, 3) N mm, a stiffness known up to a multiple of det K, with the mean of Q12 over all axes of the rods.
+
+    Examples
+    --------
+    >>> rods = np.diag([14.7, 14.7, 8.9])
+    >>> completed_by_rods(rods - 39.0 * GAUSSIAN, rods).round(6) + 0.0
+    array([[14.7,  0. ,  0. ],
+           [ 0. , 14.7,  0. ],
+           [ 0. ,  0. ,  8.9]])
+    """
     return np.asarray(stiffness + (mean_q12(rods) - mean_q12(stiffness)) * GAUSSIAN)
 
 
@@ -189,6 +205,25 @@ def rod_bending(design: Design, deformation: Floats) -> Floats:
     the curvature b, a rod of direction t bends by `t . b t` and twists by `t . b n`. Rods bonded at points, in fabric
     too soft to count, take the stiffness `B (t . b t)^2 + T (t . b n)^2` per length each, which has all entries.
     With F, the (2, 2) deformation of the flat sheet, the print's curvature K is `F^T b F`.
+
+    Raises
+    ------
+    DesignError
+        See `motif_graph`.
+
+    Examples
+    --------
+    A square grid of rods has B/d in both directions, T/(2 d) for the twist 2 K12, and no coupling:
+
+    >>> motif = [{"line_mm": [(0, 0), (10, 0)]}, {"line_mm": [(0, 0), (0, 10)]}]
+    >>> grid = Design.from_dict({
+    ...     "rods": {"motif": motif, "thickness_mm": 0.4}, "lattice": {"kind": "square", "spacing_mm": 10.0},
+    ...     "border": {"rectangle_mm": (60, 60)},
+    ... })
+    >>> rod_bending(grid, np.eye(2)).round(1) + 0.0
+    array([[14.7,  0. ,  0. ],
+           [ 0. , 14.7,  0. ],
+           [ 0. ,  0. ,  8.9]])
     """
     rods = design.rods
     assert rods is not None, "a motif has rods"

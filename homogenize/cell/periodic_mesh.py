@@ -205,7 +205,13 @@ class PeriodicTriangles:
         return np.column_stack([np.bincount(at, weight * x, len(self.points)) / total for x in centre.T])
 
     def edges(self) -> tuple[Ints, Ints]:
-        """(3 T,) names of the edges 0-1, 1-2 and 2-0 of all triangles, and of the reversed edges."""
+        """(3 T,) names of the edges 0-1, 1-2 and 2-0 of all triangles, and of the reversed edges.
+
+        Raises
+        ------
+        MeshError
+            The triangles do not close to a torus: some edge lacks a triangle on one side.
+        """
         a, b = self.corner, np.roll(self.corner, -1, axis=1)
         step = np.roll(self.image, -1, axis=1) - self.image
         there, back = self.name(a, b, step).ravel(), self.name(b, a, -step).ravel()
@@ -225,6 +231,11 @@ def periodic_delaunay(
 
     Of several Delaunay triangulations the result depends on the numbers of the points only. With a point group of more
     than one element it is a symmetric one, wherever that is possible.
+
+    Raises
+    ------
+    MeshError
+        The points leave a hole of several edges.
     """
     inverse = np.linalg.inv(vectors)
     if group is None or len(group) == 1:

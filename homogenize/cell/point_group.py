@@ -69,6 +69,13 @@ def point_group(lattice: Lattice) -> Floats:
     """(G, 2, 2) rotations and reflections about a star's centre that map its arms and the lattice onto themselves.
 
     The identity comes first, then the other rotations, then the reflections.
+
+    Examples
+    --------
+    >>> [len(point_group(Lattice(arms=arms))) for arms in (3, 4, 5, 6)]
+    [6, 4, 2, 12]
+    >>> [len(point_group(Lattice(kind="square", arms=4, orientation_deg=turn))) for turn in (0, 45, 10)]
+    [8, 8, 4]
     """
     arms, vectors = arm_directions(lattice), np.asarray(lattice.vectors)
     inverse = np.linalg.inv(vectors)

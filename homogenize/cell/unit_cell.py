@@ -42,6 +42,14 @@ def cell_mesh(design: Design, edge_mm: float, repeat: tuple[int, int] = (1, 1)) 
     """Mesh of `repeat` cells of the design's star; see `aligned_cell_mesh` and `free_cell_mesh`.
 
     It is graded if the design's mesh is and all arms lie on lattice lines.
+
+    Raises
+    ------
+    ValueError
+        The stars of the design differ.
+    DesignError, MeshError
+        Arms overlap, arms off the lattice lines would print as one, no mesh follows the arms, or the design asks for
+        a graded mesh and arms do not lie on lattice lines.
     """
     lattice, vectors = design.lattice, np.asarray(design.lattice.vectors)
     length, surrounded = star_size(design, "length_mm"), FABRIC_BENDING[design.fabric.bending].needs_neighbours
@@ -60,7 +68,13 @@ def cell_mesh(design: Design, edge_mm: float, repeat: tuple[int, int] = (1, 1)) 
 
 
 def star_size(design: Design, name: str) -> float:
-    """A size of the stars as printed, mm."""
+    """A size of the stars as printed, mm.
+
+    Raises
+    ------
+    ValueError
+        The size varies over the sheet.
+    """
     stars = design.required_stars
     value = getattr(stars, name)
     if name == "length_mm" and isinstance(stars.length_fraction, int | float):
@@ -102,6 +116,13 @@ class UnitCell(System):
     design : materials, lattice, and the star or the motif; their sizes are numbers.
     edge_mm : of the mesh.
     repeat : stars or motifs along A1 and A2.
+
+    Raises
+    ------
+    ValueError
+        The stars differ, or gravity is on.
+    DesignError, MeshError
+        See `cell_mesh`, `motif_graph` and `motif_cell_mesh`.
 
     Attributes
     ----------
@@ -290,7 +311,13 @@ class UnitCell(System):
         return force
 
     def moment(self, state: State) -> float:
-        """Bending moment conjugate to the curvature, N: derivative of the energy per printed area at constant state."""
+        """Bending moment conjugate to the curvature, N: derivative of the energy per printed area at constant state.
+
+        Raises
+        ------
+        ValueError
+            The cell is flat.
+        """
         if self.curvature is None:
             raise ValueError("a flat cell has no curvature to change")
         rate = self._turns(self.curvature)[1]

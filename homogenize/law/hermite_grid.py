@@ -36,6 +36,13 @@ class HermiteGrid:
     axes : A increasing lists of nodes. Along a list of one node the functions are constant.
     values : (n1, ..., nA, Q).
     rules : (Q,) rule for the slopes of each function.
+
+    Examples
+    --------
+    >>> grid = HermiteGrid([np.array([0.0, 1.0, 2.0])], np.array([[0.0], [1.0], [4.0]]), ["smooth"])
+    >>> value, slope = grid(np.array([[1.5]]))
+    >>> value, slope
+    (array([[2.25]]), array([[[3.]]]))
     """
 
     def __init__(self, axes: Sequence[Floats], values: Floats, rules: Sequence[SlopeRule]) -> None:

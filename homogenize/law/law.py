@@ -195,7 +195,13 @@ class Law(Generic[Table]):
         return tuple(table.stretch for table in self.tables)
 
     def at(self, stretch: Stretch) -> Table:
-        """The table of a stretch."""
+        """The table of a stretch.
+
+        Raises
+        ------
+        ForeignLaw
+            The law has no table for this stretch.
+        """
         asked = np.broadcast_to(stretch, 2).tolist()
         for table in self.tables:
             if same_values(np.broadcast_to(table.stretch, 2).tolist(), asked):

@@ -81,12 +81,23 @@ class MotifLaw(Law[MotifTable]):
         Parameters
         ----------
         sizes : mm, in the order of `plan.sizes`, each (n,) or a number.
+
+        Raises
+        ------
+        LawError
+            As of `Law.check`.
         """
         table = super().check(design)
         return self._at(table, design, table.rows(sizes))
 
     def evaluate_at(self, design: Design, points: Floats) -> MotifValues:
-        """The law at printed points (n, 2) mm, with the sizes that the design's rods have there."""
+        """The law at printed points (n, 2) mm, with the sizes that the design's rods have there.
+
+        Raises
+        ------
+        LawError
+            As of `Law.check`.
+        """
         return self._at(super().check(design), design, self.plan.sizes_at(design, points))
 
     def _at(self, table: MotifTable, design: Design, sizes: Floats) -> MotifValues:
@@ -111,7 +122,15 @@ class MotifLaw(Law[MotifTable]):
 
 
 def problem_of_motif(problem: str) -> str:
-    """The problem of a cell after the field that it is about: its own, or that of the motif."""
+    """The problem of a cell after the field that it is about: its own, or that of the motif.
+
+    Examples
+    --------
+    >>> problem_of_motif("the motif has no law of one cell")
+    'rods.motif: the motif has no law of one cell'
+    >>> problem_of_motif("rods: motif[0] has a piece of 0.50 mm at [1.00, 0.00]: 1 or more")
+    'rods: motif[0] has a piece of 0.50 mm at [1.00, 0.00]: 1 or more'
+    """
     return problem if leading_field(problem) else f"rods.motif: {problem}"
 
 
@@ -121,6 +140,13 @@ def tensor_errors(law: SheetTensors, cell: SheetTensors) -> Floats:
     - stretch: the largest error of the length of a line on the flat sheet;
     - membrane, bending: the largest error of the energy of a strain or curvature, over that energy;
     - curvature: the norm of the error of the rest curvature over the norm of the rest curvature.
+
+    Examples
+    --------
+    >>> cell = SheetTensors(np.array([[0.81, 0.64, 0.0]]), np.eye(6)[None], np.array([[-0.01, 0.0, 0.0]]))
+    >>> law = SheetTensors(1.02 * cell.metric, 1.01 * cell.stiffness, 0.99 * cell.curvature)
+    >>> tensor_errors(law, cell).round(2)
+    array([[1., 1., 1., 1.]])
     """
     metric, known = (_matrix(each.metric) for each in (law, cell))
     errors = [np.abs(np.sqrt(_ratios(metric, known)) - 1.0).max(axis=-1)]

@@ -285,7 +285,13 @@ class LawPlan:
                     yield f"rods.motif[{number}].{key}", "motif", value, ""
 
     def sources(self, design: Design) -> list[SizingField]:
-        """The sizing field of a design's motif for each of `sizes`."""
+        """The sizing field of a design's motif for each of `sizes`.
+
+        Raises
+        ------
+        ForeignLaw
+            Lines that have a size in common here have different ones.
+        """
         rods, fields = design.required_rods, []
         for size in self.sizes:
             lines = size.lines or ()
@@ -297,7 +303,13 @@ class LawPlan:
         return fields
 
     def sizes_at(self, design: Design, points: Floats) -> Floats:
-        """(n, A) mm, sizes of a design's motif at printed points (n, 2) mm, rounded as its rods are."""
+        """(n, A) mm, sizes of a design's motif at printed points (n, 2) mm, rounded as its rods are.
+
+        Raises
+        ------
+        ForeignLaw
+            As of `sources`.
+        """
         columns = [
             rounded(design.required_rods, size.key, sample(field, points))
             for size, field in zip(self.sizes, self.sources(design), strict=True)
@@ -305,7 +317,13 @@ class LawPlan:
         return np.stack(columns, axis=-1) if columns else np.empty((len(points), 0))
 
     def sizes_on(self, design: Design, layout: Layout) -> Floats:
-        """(n, A) mm, the sizes that occur on a sheet: of its stars, or along its rods and at its corners."""
+        """(n, A) mm, the sizes that occur on a sheet: of its stars, or along its rods and at its corners.
+
+        Raises
+        ------
+        ForeignLaw
+            As of `sources`.
+        """
         if not self.is_motif:
             return law_coordinates(layout, design.lattice.arms)
         points = [rod.points for rod in layout.graph.rods]

@@ -208,6 +208,11 @@ class StarLaw(Law[StarTable]):
     def evaluate(self, design: Design, *sizes: ArrayLike) -> LawValues:
         """The law at stars of these sizes, with stiffnesses for the modulus of the design's fabric.
 
+        Raises
+        ------
+        LawError
+            See `check`.
+
         Examples
         --------
         >>> from asterism.homogenize.law.law_file import load_law

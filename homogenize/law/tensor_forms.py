@@ -37,7 +37,15 @@ class SheetTensors:
 
 
 def stored_tensors(tensors: SheetTensors) -> Floats:
-    """(n, 18) stored forms."""
+    """(n, 18) stored forms.
+
+    Examples
+    --------
+    >>> sheet = SheetTensors(np.array([[0.9, 0.8, 0.1]]), np.eye(6)[None], np.array([[-0.01, 0.0, 0.0]]))
+    >>> again, _ = tensors_of_stored(stored_tensors(sheet), np.empty((1, 0, STORED_SIZE)))
+    >>> again.metric.round(12), again.curvature.round(12) + 0.0
+    (array([[0.9, 0.8, 0.1]]), array([[-0.01,  0.  ,  0.  ]]))
+    """
     membrane, bending = tensors.stiffness[:, :3, :3], tensors.stiffness[:, 3:, 3:]
     moment = np.einsum("nij,nj->ni", bending, tensors.curvature * TO_VOIGT)
     scale = np.outer(_KELVIN, _KELVIN)

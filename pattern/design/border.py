@@ -25,7 +25,13 @@ MAX_HOLES = 1000
 
 
 class Hole(Section):
-    """A hole, or several of a drawing: one of `circle_mm`, `polygon_mm`, `spline_mm`, `rods` and `file`."""
+    """A hole, or several of a drawing: one of `circle_mm`, `polygon_mm`, `spline_mm`, `rods` and `file`.
+
+    Examples
+    --------
+    >>> Hole(polygon_mm=[(0.0, 0.0), (5.0, 0.0), (0.0, 5.0)]).kind
+    'polygon_mm'
+    """
 
     # circle_mm, polygon_mm, spline_mm: the edge of the hole; the polygon and the spline return to their first point.
     circle_mm: DrawnCircle | None = None
@@ -58,7 +64,13 @@ _KINDS = ("circle_mm", "polygon_mm", "spline_mm", "rods", "file")
 
 
 class Border(Section):
-    """The outline: one of `rings`, `rectangle_mm`, `polygon_mm`, `circle_mm`, `file` and `rods`."""
+    """The outline: one of `rings`, `rectangle_mm`, `polygon_mm`, `circle_mm`, `file` and `rods`.
+
+    Examples
+    --------
+    >>> Border(rectangle_mm=(120.0, 80.0)).overhang
+    'cut'
+    """
 
     # hexagon around this many rings of stars about the central one (triangular lattice only).
     rings: Whole | None = Field(None, ge=0, le=40)

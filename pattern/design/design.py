@@ -187,14 +187,26 @@ class Design(Section):
 
     @property
     def required_stars(self) -> Stars:
-        """The section `[stars]`, for what is computed of stars alone."""
+        """The section `[stars]`, for what is computed of stars alone.
+
+        Raises
+        ------
+        DesignError
+            The pattern is drawn.
+        """
         if self.stars is None:
             raise DesignError("rods", NEEDS_STARS_ALONE)
         return self.stars
 
     @property
     def required_rods(self) -> Rods:
-        """The section `[rods]`, for what is computed of drawn rods alone."""
+        """The section `[rods]`, for what is computed of drawn rods alone.
+
+        Raises
+        ------
+        DesignError
+            The pattern has no drawn rods.
+        """
         if self.rods is None:
             raise DesignError("rods", "must be there: this needs drawn rods")
         return self.rods

@@ -113,7 +113,13 @@ def _rings(place: str, table: Mapping[str, Any], drawing: Drawing) -> list[Float
 
 
 def holes_in(rings: list[Any], file: str) -> list[dict[str, Any]]:
-    """The closed lines within an outline, the first one, as holes."""
+    """The closed lines within an outline, the first one, as holes.
+
+    Raises
+    ------
+    DesignError
+        A line lies beside the outline.
+    """
     outline, *inner = rings
     for ring in inner:
         if not shapely.intersects(shapely.polygons(outline), shapely.polygons(ring)):

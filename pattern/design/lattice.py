@@ -17,7 +17,13 @@ DEFAULT_SPACING_MM = 10 * np.sqrt(3.0)
 
 
 class Lattice(Section):
-    """The lattice of star centres, and the arms of one star."""
+    """The lattice of star centres, and the arms of one star.
+
+    Examples
+    --------
+    >>> Lattice(kind="square", spacing_mm=20.0).vectors.tolist()
+    [[20.0, 0.0], [0.0, 20.0]]
+    """
 
     # `triangular` has neighbours at 30, 90, ... 330 deg, `square` at 0, 90, 180, 270 deg. `custom` is spanned by
     # `vectors_mm`.

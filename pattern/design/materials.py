@@ -55,7 +55,13 @@ KappaBar = Annotated[
 
 
 def residual_curvature(thickness_mm: ArrayLike, kappa_bar: float | ResidualCurvature) -> Floats:
-    """(...) 1/mm, residual curvature of plastic of the thicknesses (...); positive bends the tips down."""
+    """(...) 1/mm, residual curvature of plastic of the thicknesses (...); positive bends the tips down.
+
+    Examples
+    --------
+    >>> residual_curvature([0.2, 0.3], 0.01).tolist()
+    [0.01, 0.01]
+    """
     h1 = np.asarray(thickness_mm, dtype=float)
     if isinstance(kappa_bar, ResidualCurvature):
         return np.asarray(np.interp(h1, kappa_bar.thickness_mm, kappa_bar.per_mm))

@@ -119,7 +119,15 @@ def read_drawing(
 
 
 def closed_curves(lines: Iterable[FileLine], meet_mm: float = MEET_MM) -> list[Floats]:
-    """Closed lines (n, 2) mm without their last point, then those that open lines form which meet end to end."""
+    """Closed lines (n, 2) mm without their last point, then those that open lines form which meet end to end.
+
+    Examples
+    --------
+    >>> corner = FileLine(np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0]]), "cut", None)
+    >>> side = FileLine(np.array([[4.0, 3.004], [0.0, 0.0]]), "cut", None)
+    >>> closed_curves([corner, side])[0].shape
+    (3, 2)
+    """
     lines = list(lines)
     closed = [line.points[:-1] for line in lines if line.is_closed]
     parts = [line.points for line in lines if not line.is_closed]

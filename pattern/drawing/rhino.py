@@ -61,7 +61,13 @@ class RhinoModel:
     def unfolded(
         self, number: Iterator[int], objects: Iterable[Any] | None = None, depth: int = 0
     ) -> Iterator[tuple[Any, str, str]]:
-        """What `shown` gives, with the parts of blocks in place of the blocks; `number` counts the objects."""
+        """What `shown` gives, with the parts of blocks in place of the blocks; `number` counts the objects.
+
+        Raises
+        ------
+        DrawingError
+            A block holds itself, or copies are too many.
+        """
         import rhino3dm
 
         if depth > MAX_DEPTH:
@@ -137,6 +143,11 @@ def curve_points(geometry: Any, tolerance: float, layer: str = "") -> Floats:
     ----------
     tolerance : largest distance of the curve from the lines between them, in its unit.
     layer : for the error.
+
+    Raises
+    ------
+    DrawingError
+        A point is not finite, or too far away.
     """
     pieces = [checked(piece, layer, type(geometry).__name__) for piece in _pieces(geometry, tolerance)]
     if not pieces:

@@ -29,7 +29,13 @@ def polygon_area(polygon: Float[np.ndarray, "n 2"]) -> float:
 
 
 def dense_outline(ring: Float[np.ndarray, "n 2"], step_mm: float = OUTLINE_STEP_MM) -> Float[np.ndarray, "m 2"]:
-    """(m, 2) points along a ring (n, 2), its corners among them, at most `step_mm` apart."""
+    """(m, 2) points along a ring (n, 2), its corners among them, at most `step_mm` apart.
+
+    Examples
+    --------
+    >>> dense_outline(np.array([[0.0, 0.0], [3.0, 0.0], [0.0, 1.0]])).shape
+    (5, 2)
+    """
     closed = shapely.segmentize(shapely.linearrings(ring), step_mm)
     return np.asarray(shapely.get_coordinates(closed)[:-1])
 

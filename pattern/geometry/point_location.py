@@ -21,6 +21,13 @@ class TriangleFinder:
     ----------
     printed : (V, 2) mm.
     triangles : (T, 3).
+
+    Examples
+    --------
+    >>> finder = TriangleFinder(np.array([[0.0, 0.0], [4.0, 0.0], [0.0, 4.0]]), np.array([[0, 1, 2]]))
+    >>> triangle, weights = finder.nearest(np.array([[1.0, 2.0]]))
+    >>> triangle.tolist(), weights.tolist()
+    ([0], [[0.25, 0.25, 0.5]])
     """
 
     def __init__(self, printed: Floats, triangles: Ints) -> None:

@@ -253,12 +253,24 @@ def _check_beside(stars: RodGraph, drawn: RodGraph) -> None:
 
 
 def sheet_outline(design: Design) -> Floats:
-    """(B, 2) mm, the outline of the sheet, also if the design has no layout."""
+    """(B, 2) mm, the outline of the sheet, also if the design has no layout.
+
+    Raises
+    ------
+    DesignError
+        The outline does not fit the lattice, or is too large.
+    """
     return outline(design.border, design.lattice)
 
 
 def sheet_sites(design: Design) -> Ints:
-    """(P, 2) all lattice sites of the sheet in the order of the stars' numbers, also if the design has no layout."""
+    """(P, 2) all lattice sites of the sheet in the order of the stars' numbers, also if the design has no layout.
+
+    Raises
+    ------
+    DesignError
+        The outline does not fit the lattice, or is too large.
+    """
     return _kept_sheet(design.border, design.lattice)[2].copy()
 
 

@@ -58,6 +58,18 @@ class FreeMotions:
         """Rotation (3, 3) and shift (3,) that bring points (n, 3) closest to targets: `x @ rotation.T + shift`.
 
         Least squares with weights (n,), over the free motions alone.
+
+        Examples
+        --------
+        A sheet that is fixed at a point turns about it.
+
+        >>> points = np.array([[1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
+        >>> at_a_point = FreeMotions(np.zeros((1, 3)), np.ones((1, 3), dtype=bool))
+        >>> rotation, shift = at_a_point.fit(points, points[:, [1, 0, 2]] * [-1.0, 1.0, 1.0])
+        >>> bool(np.allclose(rotation, [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]]))
+        True
+        >>> bool(np.allclose(shift, 0.0))
+        True
         """
         if not len(self.points):
             return rigid_fit(points, targets, weights)

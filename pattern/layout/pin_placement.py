@@ -170,7 +170,13 @@ _Conflict = tuple[int, DesignError]
 
 
 def check_conflicts(sets: Sequence[PinSet], sheet: SheetEdges) -> None:
-    """Refuse a place that is held twice. Edges of two sets may share a corner that both hold in the same way."""
+    """Refuse a place that is held twice. Edges of two sets may share a corner that both hold in the same way.
+
+    Raises
+    ------
+    DesignError
+        Of several conflicts, that of the first set.
+    """
     sets = tuple(sets)
     tolerance = 1e-6 * float(np.ptp(sheet.start, axis=0).max())
     # corners of a finely drawn outline may be closer than a pin is thick
@@ -259,7 +265,13 @@ def _corners_differ(sets: tuple[PinSet, ...], sheet: SheetEdges, tolerance: floa
 
 
 def check_reach(sets: Sequence[PinSet], edges: SheetEdges) -> None:
-    """Refuse pins so far apart that the sheet between them is longer than `MAX_PULL` times the printed length."""
+    """Refuse pins so far apart that the sheet between them is longer than `MAX_PULL` times the printed length.
+
+    Raises
+    ------
+    DesignError
+        The message names the second pin of the pair that is pulled most.
+    """
     samples = [sample_supports([pins], edges) for pins in sets]
     every = max(sum(len(each.printed) for each in samples) // MAX_COMPARED_PINS, 1)
     printed, places, _ = (np.concatenate(parts)[::every] for parts in zip(*samples, strict=True))

@@ -34,7 +34,13 @@ def star_margin_mm(border: Border, lattice: Lattice) -> float:
 
 
 def star_cells(border: Border, lattice: Lattice, corners: Floats, holes: Sequence[Floats] = ()) -> Ints:
-    """(n, 2) lattice cells with a star, from the origin outwards, counterclockwise at equal distance."""
+    """(n, 2) lattice cells with a star, from the origin outwards, counterclockwise at equal distance.
+
+    Raises
+    ------
+    DesignError
+        The outline has room for more than `MAX_STARS_OF_DESIGN` stars.
+    """
     sites = lattice.sites
     if border.rings is not None:
         i, j = sites.cells_within(*_box(corners)).T
@@ -85,6 +91,11 @@ def outline(border: Border, lattice: Lattice) -> Floats:
     ------
     DesignError
         The hexagon of `border.rings` does not fit the lattice, or is too large.
+
+    Examples
+    --------
+    >>> outline(Border(rectangle_mm=(4.0, 2.0)), Lattice()).tolist()
+    [[-2.0, -1.0], [2.0, -1.0], [2.0, 1.0], [-2.0, 1.0]]
     """
     if border.rings is not None:
         return _hexagon(border.rings, lattice)

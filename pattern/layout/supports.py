@@ -46,7 +46,15 @@ class SupportCurve:
 
     @classmethod
     def through(cls, corners: Floats, places: Floats) -> SupportCurve:
-        """The curve through places (k, 3) mm of corners (k, 2) mm; both end with the first row if it is closed."""
+        """The curve through places (k, 3) mm of corners (k, 2) mm; both end with the first row if it is closed.
+
+        Examples
+        --------
+        >>> corners = np.array([[0.0, 0.0], [10.0, 0.0], [20.0, 0.0]])
+        >>> curve = SupportCurve.through(corners, np.column_stack([0.8 * corners, [0.0, 3.0, 0.0]]))
+        >>> curve.places(np.array([[5.0, 0.0]])).round(3).tolist()
+        [[4.0, 0.0, 2.25]]
+        """
         from scipy.interpolate import CubicSpline  # slow to import; designs without such curves do without it
 
         is_closed = np.array_equal(corners[0], corners[-1])
@@ -124,7 +132,16 @@ def _sharp(corners: Floats, is_closed: bool) -> np.ndarray:
 
 @dataclass(frozen=True)
 class PinSet:
-    """Places of the sheet that are all supported in the same way."""
+    """Places of the sheet that are all supported in the same way.
+
+    Examples
+    --------
+    >>> pins = PinSet(np.array([[10.0, -20.0]]), (), FIXED_BY_SLIDE["z"], scale=0.5)
+    >>> pins.places(pins.points).tolist()
+    [[5.0, -10.0, 0.0]]
+    >>> pins.holds_in_plane, pins.slide
+    (True, 'z')
+    """
 
     points: Floats  # (P, 2) mm, single printed points (corners of the outline included)
     # edges of the outline and of holes that are supported along their whole length, numbered as in `SheetEdges`.

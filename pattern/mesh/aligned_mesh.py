@@ -50,6 +50,11 @@ def aligned_mesh(layout: Layout, edge_mm: float, draft: bool = False) -> Mesh:
     ----------
     edge_mm : requested edge length; the spacing is divided into the nearest whole number of edges.
     draft : the strip along other outlines is smoothed only until its angles pass the check.
+
+    Raises
+    ------
+    MeshError
+        Arms do not lie on lattice lines, or moving grid points would flatten triangles.
     """
     check_edge(layout, edge_mm)
     grid = LatticeGrid.of(layout, edge_mm)

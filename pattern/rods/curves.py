@@ -24,7 +24,20 @@ _LINE_OF_EDGE = {"circle_mm": "circle_mm", "polygon_mm": "line_mm", "spline_mm":
 
 
 def polyline(line: DrawnLine, curve_mm: float) -> Floats:
-    """(n, 2) mm, the points of a line; the last is the first if it is closed."""
+    """(n, 2) mm, the points of a line; the last is the first if it is closed.
+
+    Raises
+    ------
+    DesignError
+        Points that follow each other are the same.
+
+    Examples
+    --------
+    >>> polyline(DrawnLine(circle_mm={"radius": 10.0}), 1.0).shape
+    (91, 2)
+    >>> polyline(DrawnLine(line_mm=[(0.0, 0.0), (4.0, 0.0), (4.0, 3.0)], closed=True), 1.0).tolist()
+    [[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 0.0]]
+    """
     if line.circle_mm is not None:
         points = _arc(line.circle_mm.centre, line.circle_mm.half_axes, 0.0, 2 * np.pi, curve_mm)
         points[-1] = points[0]
@@ -65,7 +78,16 @@ def _spline(points: Floats, step: Floats, closed: bool, curve_mm: float) -> Floa
 
 
 def hole_rings(border: Border, curve_mm: float) -> list[tuple[str, Floats]]:
-    """The holes that are no drawn rods: the field that names each one, and its edge (n, 2) mm, not closed."""
+    """The holes that are no drawn rods: the field that names each one, and its edge (n, 2) mm, not closed.
+
+    Examples
+    --------
+    >>> border = Border.model_validate(
+    ...     {"rectangle_mm": [40.0, 40.0], "holes": [{"polygon_mm": [[0, 0], [9, 0], [0, 9]]}]}
+    ... )
+    >>> [(name, len(ring)) for name, ring in hole_rings(border, 0.01)]
+    [('border.holes[0]', 3)]
+    """
     rings = []
     for k, hole in enumerate(border.holes):
         name = f"border.holes[{k}]"
@@ -80,7 +102,13 @@ def hole_rings(border: Border, curve_mm: float) -> list[tuple[str, Floats]]:
 
 
 def check_holes(rings: Sequence[tuple[str, Floats]], corners: Floats, margin_mm: float) -> None:
-    """Refuse edges that cross themselves, the outline (B, 2) mm or each other, or leave less fabric than a margin."""
+    """Refuse edges that cross themselves, the outline (B, 2) mm or each other, or leave less fabric than a margin.
+
+    Raises
+    ------
+    DesignError
+        The message names the hole and the place.
+    """
     if not rings:
         return
     polygons = [shapely.Polygon(ring) for _, ring in rings]

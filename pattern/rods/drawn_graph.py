@@ -64,6 +64,13 @@ def drawn_pattern(rods: Rods, border: Border, lattice: Lattice, corners: Floats 
     ------
     DesignError
         The drawing cannot be printed. The message names the lines and the place.
+
+    Examples
+    --------
+    >>> ring = Rods.model_validate({"draw": [{"name": "rim", "circle_mm": {"radius": 20.0}}]})
+    >>> sheet = drawn_pattern(ring, Border(rods="rim"), Lattice(), None)
+    >>> len(sheet.graph.rods), sheet.rim, sheet.graph.joints, round(sheet.graph.total_length, 1)
+    (1, (0,), (), 125.7)
     """
     drawn = [
         PlacedLine(line, polyline(line, rods.curve_mm), line.name or f"draw[{k}]")
@@ -109,7 +116,13 @@ def drawn_pattern(rods: Rods, border: Border, lattice: Lattice, corners: Floats 
 
 
 def graph_of_lines(lines: list[PlacedLine], rods: Rods) -> tuple[RodGraph, list[Piece]]:
-    """The graph of lines that are cut where they meet, and the piece of a line that each rod is."""
+    """The graph of lines that are cut where they meet, and the piece of a line that each rod is.
+
+    Raises
+    ------
+    DesignError
+        The lines cannot be printed. The message names them and the place.
+    """
     merge = MERGED_WIDTHS * min(float(rod_of_piece(each, each.points, 0, 0, rods).width.min()) for each in lines)
     names = [each.name for each in lines]
     nodes, pieces = cut_lines([each.points for each in lines], rods.join_mm, max(merge, rods.join_mm), names)

@@ -46,6 +46,15 @@ def motif_graph(rods: Rods, lattice: Lattice) -> MotifGraph:
     ------
     DesignError
         There is no motif, its sizes vary over the sheet, or it cannot be printed.
+
+    Examples
+    --------
+    A square grid has one node and two rods in its cell, which lead to the next cells:
+
+    >>> grid = Rods.model_validate({"motif": [{"line_mm": [(0, 0), (10, 0)]}, {"line_mm": [(0, 0), (0, 10)]}]})
+    >>> cell = motif_graph(grid, Lattice(kind="square", spacing_mm=10.0))
+    >>> len(cell.nodes), cell.ends_at.tolist(), cell.end_image.tolist()
+    (1, [4], [[1, 0], [0, 1]])
     """
     if not rods.motif:
         raise DesignError("rods.motif", "is missing: a unit cell repeats a motif")

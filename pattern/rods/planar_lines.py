@@ -39,6 +39,20 @@ def cut_lines(lines: list[Floats], join_mm: float, merge_mm: float, names: list[
     join_mm : an open end nearer than this to an end or corner is moved there, else onto a line that is as near.
     merge_mm : nodes nearer than this to each other become one, and loose ends shorter than this are dropped.
     names : of the lines, for messages.
+
+    Raises
+    ------
+    DesignError
+        Two lines lie on each other.
+
+    Examples
+    --------
+    Two lines that cross, one of which ends just beside a third:
+
+    >>> cross = [np.array([[-5.0, 0.0], [5.0, 0.0]]), np.array([[0.0, -5.0], [0.0, 4.95]])]
+    >>> nodes, pieces = cut_lines([*cross, np.array([[-5.0, 5.0], [5.0, 5.0]])], 0.1, 0.6, ["", "", ""])
+    >>> len(nodes), [(piece.line, piece.start, piece.end) for piece in pieces]
+    (7, [(0, 0, 6), (0, 6, 1), (1, 2, 6), (1, 6, 3), (2, 4, 3), (2, 3, 5)])
     """
     lines = _joined(lines, join_mm)
     places, owners, parts = _meetings(lines, names)

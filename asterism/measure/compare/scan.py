@@ -88,7 +88,13 @@ def check_size(file: Path, size_mm: float, expected_mm: float, unit: str | None)
 
 
 def read_scan(path: str | Path, unit: str = "mm") -> Scan:
-    """Read a scan from an OBJ, STL or PLY file."""
+    """Read a scan from an OBJ, STL or PLY file.
+
+    Raises
+    ------
+    ScanError
+        The file is not a scan, or it is empty.
+    """
     path = Path(path)
     vertices, triangles = _read(path, ", or in .svg or .csv for an outline")
     vertices = vertices * MM[unit]

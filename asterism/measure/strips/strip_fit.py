@@ -163,7 +163,13 @@ class Solution:
 
 
 def fit_curve(curve: Curve, start: Floats, strips: StripData) -> Solution:
-    """The least squares of a curve of parameters (p,), from `start`."""
+    """The least squares of a curve of parameters (p,), from `start`.
+
+    Raises
+    ------
+    UndeterminedMaterialError
+        There are no more strips than parameters, or the curve does not follow them.
+    """
     kinds = strips.kinds()[0]
     units = kinds if len(kinds.count) > len(start) else strips
     freedom = len(units.count) - len(start)
@@ -292,7 +298,15 @@ def fit_readings(
     *,
     flat_height_mm: float = FLAT_HEIGHT_MM,
 ) -> StripFit:
-    """Fit a material to strips; parameters and errors as those of `fit_strips`."""
+    """Fit a material to strips; parameters and errors as those of `fit_strips`.
+
+    Raises
+    ------
+    UndeterminedMaterialError
+        The readings do not determine E1/E2.
+    ValueError
+        No such formula or kind of kappa_bar, or a height out of range.
+    """
     for option, given, allowed in (("formula", formula, FORMULAS), ("kappa_bar", kappa_bar, KAPPA_BAR_KINDS)):
         if given not in allowed:
             raise ValueError(f"{option}: must be one of {', '.join(allowed)}, not {given!r}")

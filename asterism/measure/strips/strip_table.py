@@ -82,7 +82,13 @@ Measured = tuple[Reading, Box | None]
 def read_strips(
     path: Path, stretch: float | None = None, fabric_thickness_mm: float | None = None, *, outside: bool = False
 ) -> list[Reading]:
-    """Read the table of measured strips; parameters and errors as those of `fit_strips`."""
+    """Read the table of measured strips; parameters and errors as those of `fit_strips`.
+
+    Raises
+    ------
+    TableError
+        The table is wrong; the message names file, row and column.
+    """
     rows = read_rows(path, STRIP_COLUMNS, ("strip", "thickness_mm", "length_mm"))
     if not rows:
         raise TableError(path, None, None, "has a header but no strips")

@@ -141,7 +141,13 @@ class Hinges(Elements):
 
 
 def interior_edges(triangles: Array) -> Array:
-    """(H, 4) hinges of counterclockwise triangles (T, 3), sorted by the vertices of their edges."""
+    """(H, 4) hinges of counterclockwise triangles (T, 3), sorted by the vertices of their edges.
+
+    Examples
+    --------
+    >>> interior_edges(np.array([[0, 1, 2], [0, 2, 3]])).tolist()
+    [[2, 0, 1, 3]]
+    """
     start = triangles.ravel()
     end = np.roll(triangles, -1, axis=1).ravel()
     apex = np.roll(triangles, -2, axis=1).ravel()

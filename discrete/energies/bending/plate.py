@@ -231,6 +231,11 @@ class Plate(Elements):
     area_ratio : rest area over printed area.
     surrounding : (R, 3) triangles next to these, whose vertices belong to patches; they have no energy.
 
+    Raises
+    ------
+    MeshError
+        A triangle has too few vertices around it, see `plate_patches.patches`.
+
     Examples
     --------
     A paraboloid of curvature 0.001/mm has the energy `D (1 + nu) k^2` per area; here D = 8 N mm, A = sqrt(3) mm^2:

@@ -55,6 +55,21 @@ def patches(triangles: Array, points: Array, surrounding: Array | None = None) -
     ------
     MeshError
         A triangle has fewer than three more vertices around it that do not lie on a conic with its own.
+
+    Examples
+    --------
+    On an equilateral triangle in the middle of a larger one the extra vertices are the three corners. The quadratic
+    `x^2 - 2 x + y/h` is 0 at the corners of the small one, and its second derivatives are 2, 0 and 0:
+
+    >>> h = 3.0**0.5
+    >>> points = np.array([[0, 0], [2, 0], [1, h], [3, h], [-1, h], [1, -h]])
+    >>> triangles = np.array([[0, 1, 2], [1, 3, 2], [2, 4, 0], [0, 5, 1]])
+    >>> patch = patches(triangles[:1], points, triangles[1:])
+    >>> patch.vertices[0].tolist()
+    [0, 1, 2, 3, 4, 5]
+    >>> x, y = points[patch.vertices[0, 3:]].T
+    >>> ((x**2 - 2.0 * x + y / h) @ patch.second[0]).round(6) + 0.0
+    array([2., 0., 0.])
     """
     all_triangles = triangles if surrounding is None else np.concatenate([triangles, surrounding])
     first, area = triangle_gradients(points, triangles), triangle_areas(points, triangles)

@@ -45,6 +45,15 @@ def rod_network(
     At a junction of N rods each rod splits into N - 1 copies, one for each other rod. Each of the N (N - 1)/2 pairs
     bends and twists with weight 1/(N - 1). Three arms have the paper's weight 1/2 (section 3.2); two arms are one
     straight rod.
+
+    Examples
+    --------
+    Three arms of one edge each from vertex 0:
+
+    >>> tips = np.array([[0, 0], [1, 0], [-0.5, 0.9], [-0.5, -0.9]])
+    >>> star = rod_network((np.array([0, 1]), np.array([0, 2]), np.array([0, 3])), np.zeros(3, dtype=int), tips)
+    >>> star.stencil_vertices.tolist(), star.weight.tolist()
+    ([[1, 0, 2], [1, 0, 3], [2, 0, 3]], [0.5, 0.5, 0.5])
     """
     edges: list[tuple[int, int]] = []
     of_edges: list[tuple[int, float]] = []  # rod and midpoint
@@ -170,6 +179,14 @@ def joint_network(paths: tuple[Array, ...], joints: Sequence[Sequence[tuple[int,
     ----------
     paths : one path of vertices for each rod, in the order of the edges of its `RodNetwork`.
     joints : for each joint the ends of rods there: number of the rod, and 0 for its start or 1 for its end.
+
+    Examples
+    --------
+    A rod over vertices 0, 1, 2 and a branch from vertex 2 to 3:
+
+    >>> corner = joint_network((np.array([0, 1, 2]), np.array([2, 3])), [[(0, 1), (1, 0)]])
+    >>> corner.vertices.tolist(), corner.edge.tolist(), corner.far_vertex.tolist(), corner.sign.tolist()
+    ([2], [1, 2], [1, 3], [-1.0, 1.0])
     """
     first = np.concatenate([[0], np.cumsum([len(path) - 1 for path in paths])])
     vertices = [paths[rod][-end] for (rod, end), *_ in joints]

@@ -91,7 +91,13 @@ def _eight_bits(picture: Any) -> Any:
 
 
 def pack_image(grey: Grey) -> str:
-    """Grey values compressed as text."""
+    """Grey values compressed as text.
+
+    Examples
+    --------
+    >>> unpack_image(pack_image(np.array([[0, 255]], dtype=np.uint8)), 1, 2).tolist()
+    [[0.0, 1.0]]
+    """
     return base64.b64encode(zlib.compress(grey.tobytes(), 9)).decode("ascii")
 
 

@@ -204,7 +204,14 @@ class PictureProfile(Profile):
 
 
 class RadialProfile(GradientProfile):
-    """From the value at `centre_mm` to the value at the distance `over_mm` and beyond."""
+    """From the value at `centre_mm` to the value at the distance `over_mm` and beyond.
+
+    Examples
+    --------
+    >>> radial = RadialProfile.model_validate({"profile": "radial", "from": 10, "to": 4, "over_mm": 30})
+    >>> radial.at(np.array([[0.0, 0.0], [15.0, 0.0], [0.0, 60.0]])).tolist()
+    [10.0, 7.0, 4.0]
+    """
 
     key: ClassVar[str] = "radial"
     profile: Literal["radial"]
@@ -220,6 +227,12 @@ class TableProfile(Profile):
     """Values over the distance from `centre_mm`, linear between the entries, constant beyond the ends.
 
     `smooth` puts a monotone cubic through the entries instead. It never exceeds their range.
+
+    Examples
+    --------
+    >>> table = TableProfile(profile="table", distance_mm=(0.0, 10.0), values=(2.0, 4.0))
+    >>> table.at(np.array([[5.0, 0.0], [0.0, 50.0]])).tolist()
+    [3.0, 4.0]
     """
 
     key: ClassVar[str] = "table"
@@ -301,5 +314,11 @@ SizingField = Annotated[float | Profile, _RegisteredProfiles]
 
 
 def sample(field: float | Profile, points: Floats) -> Floats:
-    """(n,) values of a sizing field at the printed points (n, 2) mm."""
+    """(n,) values of a sizing field at the printed points (n, 2) mm.
+
+    Examples
+    --------
+    >>> sample(7.5, np.zeros((2, 2))).tolist()
+    [7.5, 7.5]
+    """
     return field.at(points) if isinstance(field, Profile) else np.full(len(points), field)
