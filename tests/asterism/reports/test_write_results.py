@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import errno
+import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,6 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from asterism.draw.picture import draw_shape
 from asterism.reports.write_results import write_results
+from asterism.results.files import OutputError, staged_result
 from asterism.shape.shape import Shape
 from tests.asterism.sheets import dome, sheet
 
@@ -63,6 +66,30 @@ def test_earlier_results_of_any_kind_go_away(before: str, shape: Shape, tmp_path
     written = write_results(shape, tmp_path)
     assert names(tmp_path) == set(written) | MINE
     assert all((tmp_path / name).read_text() == "old" for name in MINE)
+
+
+@pytest.mark.parametrize("after", KINDS)
+def test_one_kind_is_left(after: str, tmp_path: Path) -> None:
+    fill(tmp_path, set().union(*KINDS.values()) | MINE)
+    with staged_result(tmp_path) as folder:
+        fill(folder, KINDS[after])
+    assert names(tmp_path) == KINDS[after] | MINE
+
+
+@pytest.mark.usefixtures("blank_pictures")
+def test_a_failure_leaves_the_other_kind_whole(shape: Shape, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    fill(tmp_path, KINDS["verify"])
+    move = os.replace
+
+    def full(source: Path, target: Path) -> None:
+        if target == tmp_path / "rods.vtu":
+            raise OSError(errno.ENOSPC, "No space left on device")
+        move(source, target)
+
+    monkeypatch.setattr(os, "replace", full)
+    with pytest.raises(OutputError, match="the disk is full"):
+        write_results(shape, tmp_path)
+    assert names(tmp_path) == KINDS["verify"]
 
 
 @pytest.mark.usefixtures("blank_pictures")

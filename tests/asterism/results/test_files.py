@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import signal
 import subprocess
@@ -31,6 +32,11 @@ def whole(content: str) -> dict[str, str]:
     return dict.fromkeys(NAMES, content)
 
 
+def test_files_appear_in_a_new_directory(tmp_path: Path) -> None:
+    write(tmp_path / "a" / "b", "new")
+    assert contents(tmp_path / "a" / "b") == whole("new")
+
+
 def test_files_replace_earlier_ones_and_leave_others(tmp_path: Path) -> None:
     write(tmp_path, "old")
     (tmp_path / "notes.txt").write_text("mine")
@@ -45,6 +51,30 @@ def test_stale_files_go(tmp_path: Path) -> None:
         (folder / "minimum-2.vtu").write_text("new")
     kept = {name: "old" for name in ("minimum-3.vtu.mine", "my minimum-4.vtu")}
     assert contents(tmp_path) == {"minimum-2.vtu": "new"} | kept
+
+
+def test_a_full_disk_leaves_the_earlier_results(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def full(*_: object) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    write(tmp_path, "old")
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(OutputError, match=r"^cannot write .*: the disk is full$"):
+        write(tmp_path, "new")
+    assert contents(tmp_path) == whole("old")
+
+
+def test_the_summary_comes_last(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    moved: list[str] = []
+    monkeypatch.setattr(os, "replace", lambda source, target: moved.append(target.name))
+    write(tmp_path, "new")
+    assert moved == NAMES and moved[-1] == "summary.json"
+
+
+def test_new_directories_have_ordinary_permissions(tmp_path: Path) -> None:
+    write(tmp_path / "results", "new")
+    (tmp_path / "ordinary").mkdir()
+    assert (tmp_path / "results").stat().st_mode == (tmp_path / "ordinary").stat().st_mode
 
 
 @pytest.mark.parametrize("error", [KeyboardInterrupt(), ValueError("no"), MemoryError()])
@@ -91,6 +121,12 @@ def test_things_in_the_way_are_named(tmp_path: Path) -> None:
     assert contents(tmp_path) == {"file": "mine"}
 
 
+def test_a_folder_where_a_file_is_to_be_is_told_at_once(tmp_path: Path) -> None:
+    (tmp_path / "law.npz").mkdir()
+    with pytest.raises(OutputError, match=r"law\.npz: a folder is in the way$"):
+        check_writable(tmp_path, "law.npz")
+
+
 @pytest.mark.parametrize("name", ["shape.png", "report.html", "minimum-2.vtu"])
 def test_files_of_somebody_else_with_names_of_results_are_not_written_over(name: str, tmp_path: Path) -> None:
     (tmp_path / name).write_text("mine")
@@ -116,6 +152,23 @@ def test_a_summary_of_somebody_else_is_not_written_over(tmp_path: Path) -> None:
     for ours in ('{"version": "0.1.0"}', '{"digest": "a"}'):
         (tmp_path / "summary.json").write_text(ours)
         check_writable(tmp_path)
+
+
+def test_a_name_that_is_too_long_is_named(tmp_path: Path) -> None:
+    name = 300 * "x"
+    for check in (lambda: check_writable(tmp_path / name), lambda: check_writable(tmp_path / "new", name)):
+        with pytest.raises(OutputError, match=rf"^cannot write .*{name}: the name is too long$"):
+            check()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_no_permission_is_said_in_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refuse(self: Path, *args: object, **kwargs: object) -> None:
+        raise PermissionError(errno.EACCES, "Permission denied", str(self))
+
+    monkeypatch.setattr(Path, "mkdir", refuse)
+    with pytest.raises(OutputError, match=r"results: no permission to write there$"):
+        check_writable(tmp_path / "results")
 
 
 def test_checking_leaves_no_trace(tmp_path: Path) -> None:

@@ -63,6 +63,15 @@ def test_the_relief_is_what_repeats_from_star_to_star():
     assert found.rms_percent < 0.2
 
 
+def test_images_have_their_stars_where_the_design_has_them():
+    plan = layout(UNIFORM)
+    one = shape(UNIFORM, lumpy)
+    for symmetry in symmetries(UNIFORM, plan):
+        found = image(one, symmetry)
+        np.testing.assert_allclose(found.printed[found.star_vertices], plan.centres, atol=1e-9)
+        np.testing.assert_array_equal(found.star[found.star_vertices], np.arange(len(plan.centres)))
+
+
 def test_images_number_stars_and_their_arms_as_the_design_does():
     """Where a star was removed the numbers are not the places in a list."""
     of = design(stars={"length_mm": 8.0, "override": [{"star": 0, "remove": True}]}, mesh={"edge_mm": 4.0})
@@ -237,6 +246,17 @@ def test_volume_under_a_cap():
     # the mean over cells takes a little off at the outline
     assert one == pytest.approx(area**2 / np.pi / 200.0 / 2.0, rel=0.2)
     assert other == pytest.approx(2.0 * one, rel=0.02)
+
+
+def test_cell_means_have_no_relief():
+    """A wave of the lattice vanishes inside; a plane stays, but for a part of the mesh's edge (2 mm)."""
+    of = design(border={"rings": 2})
+    sheet, plan = shape(of, lumpy), layout(of)
+    mean = CellMean(sheet.printed, sheet.weights, plan.lattice_vectors)
+    wave = np.cos(2 * np.pi * sheet.printed @ np.linalg.inv(plan.lattice_vectors)[:, 0])
+    inside = np.linalg.norm(sheet.printed, axis=1) < 20.0
+    assert np.abs(mean(wave[:, None])[inside]).max() < 1e-3
+    assert np.abs(mean(sheet.printed) - sheet.printed)[inside].max() < 0.6
 
 
 @pytest.mark.parametrize("side", [1.0, -1.0])
