@@ -87,6 +87,21 @@ def test_a_quiet_command_prints_its_result_and_no_progress(
     assert all(line.startswith("asterism: ") for line in done.err.splitlines())
 
 
+@pytest.mark.usefixtures("blank_pictures")
+def test_stars_that_do_not_stay_where_they_were_sent_are_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """This star starts down, and cannot stay there."""
+    (tmp_path / "d.toml").write_text("[stars]\nlength_mm = 5.0\nbranch = 'down'\n[border]\nrings = 0\n")
+    done = command(["simulate", str(tmp_path / "d.toml")], capsys, monkeypatch)
+    assert done.status == 0 and "1 of 1 up" in done.out
+    assert done.err.endswith("1 of 1 stars of the exact shape are not on the side that the design asks for: star 0\n")
+    # on a fabric that was not stretched stars stay flat, and are on no side
+    (tmp_path / "f.toml").write_text("[fabric]\nstretch = 1.0\n" + SMALL)
+    done = command(["simulate", str(tmp_path / "f.toml")], capsys, monkeypatch)
+    assert done.status == 0 and "asks for" not in done.err
+
+
 @pytest.mark.parametrize(
     ("words", "expected"),
     [
@@ -160,6 +175,13 @@ def test_a_sheet_that_would_fall_is_named_by_its_file(
     (tmp_path / "d.toml").write_text(SMALL + "\n[gravity]\non = true\n[fabric]\nmodulus_mpa = 7.0\n")
     refused = command([name, "d.toml"], capsys, monkeypatch)
     assert refused.status == 2 and "d.toml: gravity.on = True: needs [[pins]]" in refused.line
+    assert [file.name for file in tmp_path.iterdir()] == ["d.toml"]
+
+
+def test_a_mistake_in_a_design_is_all_that_a_program_prints(tmp_path: Path) -> None:
+    """Whatever it loads before."""
+    (tmp_path / "d.toml").write_text(SMALL)
+    assert "--edge" in mistake(run("simulate", "d.toml", "--edge", "-1", cwd=tmp_path))
     assert [file.name for file in tmp_path.iterdir()] == ["d.toml"]
 
 
@@ -253,3 +275,14 @@ def test_an_empty_output_is_not_the_working_directory(
         refused = command([*words, "-o", ""], capsys, monkeypatch)
         assert refused.status == 2 and "--output" in refused.line and "must not be empty" in refused.line
     assert [file.name for file in tmp_path.iterdir()] == ["d.toml"]
+
+
+@pytest.mark.usefixtures("blank_pictures")
+def test_no_equilibrium_is_status_one(tmp_path: Path, capsys, monkeypatch: pytest.MonkeyPatch) -> None:
+    """A state that is not converged is written, said to be none, and ends with status 1."""
+    monkeypatch.setattr("asterism.discrete.release.continuation.MAX_ITERATIONS", 1)
+    (tmp_path / "d.toml").write_text(SMALL)
+    stopped = command(["simulate", str(tmp_path / "d.toml"), "-o", str(tmp_path / "out")], capsys, monkeypatch)
+    assert stopped.status == 1
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert not summary["converged"] and not summary["is_minimum"]

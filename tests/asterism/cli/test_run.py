@@ -11,6 +11,7 @@ import pytest
 
 from asterism.cli.run import Run, command, with_design_file
 from asterism.equilibrium.errors import Error
+from asterism.exact.cost import Cost
 from asterism.homogenize.errors import ForeignLaw, LawError
 from asterism.pattern.design.errors import DesignError
 from asterism.process import progress_line
@@ -49,6 +50,31 @@ def test_a_command_is_not_silent_while_it_loads_and_writes(capsys: pytest.Captur
     count = stream.getvalue().count(SIGN)
     time.sleep(0.1)
     assert stream.getvalue().count(SIGN) == count
+
+
+def test_a_computation_with_a_progress_of_its_own_is_alone() -> None:
+    run = Run(quiet=True)
+    with run.progress:
+        stream = run.hand_over()
+        assert isinstance(stream, io.StringIO)
+        before = stream.getvalue()
+        time.sleep(0.1)
+    assert stream.getvalue() == before
+
+
+def test_nothing_is_printed_while_the_user_is_asked(monkeypatch: pytest.MonkeyPatch) -> None:
+    run = Run(quiet=True)
+    asked: list[str] = []
+
+    def answer(cost: Cost) -> None:
+        before = run.progress._stream.getvalue()  # type: ignore[attr-defined]
+        time.sleep(0.1)
+        asked.append(run.progress._stream.getvalue()[len(before) :])  # type: ignore[attr-defined]
+
+    monkeypatch.setattr("asterism.cli.run._ask", answer)
+    with run.progress:
+        run.cost(Cost(400_000, 8000.0, 1200.0))
+    assert asked == [""]
 
 
 FILE = Path("leaf.toml")

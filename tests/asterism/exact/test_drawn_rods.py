@@ -45,6 +45,13 @@ def test_simulate_writes_a_certified_shape(design: Path, capsys, monkeypatch) ->
     assert shape.layout is not None and len(shape.layout.rim) == 2
 
 
+@pytest.mark.parametrize("name", ["preview", "verify", "calibrate"])
+def test_commands_that_need_a_law_say_so_in_one_line(name: str, design: Path, capsys, monkeypatch) -> None:
+    done = command([name, str(design), "--quiet"], capsys, monkeypatch)
+    assert done.status == 2
+    assert "law" in done.line and "asterism simulate" in done.line
+
+
 @pytest.mark.slow
 def test_several_starts_are_compared_along_the_rods(design: Path) -> None:
     shape = asterism.simulate(asterism.load_design(design), starts=3)

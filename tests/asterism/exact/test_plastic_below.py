@@ -16,6 +16,7 @@ from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
 from asterism.previews.session import Preview, preview
 from asterism.shape.shape import Shape
+from asterism.studio.star_sizes import split
 from asterism.verification.verification import Verification
 
 STARS: dict[str, Any] = {"stars": {"length_mm": 10.0, "thickness_mm": 0.4}, "border": {"rings": 1}}
@@ -124,6 +125,14 @@ def test_arms_below_are_drawn_below() -> None:
     up = normals[first][:, 2] > 0.0
     side = shape.rod_fields["side"][np.cumsum([0, *(len(rod) - 1 for rod in shape.rods)])[:-1]]
     assert (up == (side > 0)).all()
+
+
+def test_designs_without_a_side_are_unchanged_and_edits_keep_it() -> None:
+    assert "side" not in Design.from_dict(STARS).to_dict()["stars"]
+    design = half_below(STARS)
+    assert Design.from_dict(design.to_dict()) == design
+    rest, sites, _, _ = split(design.to_dict())  # what the studio's engine gets
+    assert len(sites) == 0 and rest["stars"]["override"] == design.to_dict()["stars"]["override"]
 
 
 @pytest.mark.parametrize(

@@ -17,7 +17,7 @@ import asterism
 from asterism.fitting.first_guess import guess_design
 from asterism.fitting.fit import Fit, fit
 from asterism.fitting.residual import FitPlaces, Residual
-from asterism.fitting.settings import FitSettings
+from asterism.fitting.settings import FitSettings, SettingError
 from asterism.fitting.target import TargetSurface
 from asterism.pattern.layout.build import layout, load_design
 from asterism.previews.law_choice import paper_law
@@ -123,6 +123,22 @@ def test_derivatives_of_the_residuals_are_the_limit_of_edits(fitted: Fit, target
     predicted = columns @ step[: len(plan.centres)]
     # the mean of the bumps is not differentiated
     assert np.linalg.norm(change - predicted) < 0.15 * np.linalg.norm(change)
+
+
+def test_wrong_arguments_are_refused_in_one_line(target: TargetSurface) -> None:
+    with pytest.raises(TypeError, match="TargetSurface is needed, not str"):
+        fit("cap.obj")  # type: ignore[arg-type]
+    with pytest.raises(TypeError, match="a FitSettings is needed"):
+        fit(target, {"needles": 8})  # type: ignore[arg-type]
+    for needles in (1, 2, -1, 2.5, 1001):
+        with pytest.raises(SettingError, match="needles = "):
+            FitSettings(needles=needles)  # type: ignore[arg-type]
+    with pytest.raises(SettingError, match="needles = 8: conflicts with border = True"):
+        FitSettings(needles=8, border=True)
+    with pytest.raises(SettingError, match="corrections = -1: must be a whole number from 0 to 20"):
+        FitSettings(corrections=-1)
+    with pytest.raises(SettingError, match=r"width_mm = -1\.0: must be a positive number"):
+        FitSettings(width_mm=-1.0)
 
 
 @pytest.mark.slow

@@ -9,6 +9,15 @@ from asterism.fitting.disk import disk_of
 from asterism.fitting.height_mesh import height_mesh
 
 
+def test_a_full_grid_is_taken_as_it_is() -> None:
+    x, y = np.linspace(-3.0, 3.0, 4), np.linspace(-1.0, 1.0, 3)
+    heights = np.arange(12.0).reshape(3, 4)
+    vertices, triangles = height_mesh(heights, x, y)
+    assert len(triangles) == 12
+    assert vertices[:, 2].tolist() == heights.ravel().tolist()
+    assert vertices[5].tolist() == [-1.0, 0.0, 5.0]
+
+
 @pytest.mark.parametrize("points", [41, 81])
 def test_a_round_border_has_no_steps(points: int) -> None:
     x = np.linspace(-40.0, 40.0, points)

@@ -51,3 +51,9 @@ def test_any_quantity_of_a_shape_has_derivatives():
 def test_a_size_at_the_upper_end_of_the_law_is_changed_downwards():
     longest = asterism.Design.from_dict({"stars": {"length_mm": 11.0}, "border": {"rings": 1}})
     assert np.isfinite(sensitivity(longest).derivatives).all()
+
+
+@pytest.mark.parametrize("wrong", [{"of": "weight"}, {"by": "depth_mm"}])
+def test_unknown_quantities_and_sizes_are_refused(wrong: dict[str, str]):
+    with pytest.raises(ValueError, match=r"must be .*(height_mm|length_mm)"):
+        sensitivity(FREE, **wrong)  # type: ignore[arg-type]

@@ -18,6 +18,7 @@ from asterism.equilibrium.errors import Error
 from asterism.fitting.errors import TargetError
 from asterism.fitting.load_target import load_target
 from asterism.fitting.target import MAX_TARGET_TRIANGLES, TargetSurface
+from asterism.measure.compare.scan import ScanError
 from tests.asterism.fitting.surfaces import spherical_cap
 from tests.asterism.fitting.wrong_surfaces import (
     Mesh,
@@ -72,6 +73,19 @@ def test_files_in_three_formats_give_the_same_target(ending: str, tmp_path: Path
     assert target.diameter_mm == pytest.approx(expected.diameter_mm, rel=1e-5)
     assert len(target.disk.vertices) == len(expected.disk.vertices)
     assert np.sort(target.disk.vertices[:, 2]) == pytest.approx(np.sort(expected.disk.vertices[:, 2]), abs=1e-3)
+
+
+def test_files_that_are_no_target_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(TargetError, match=r"must end in \.obj, \.stl, \.ply, \.3dm, \.png"):
+        load_target(tmp_path / "cap.step")
+    with pytest.raises(ScanError, match="is not there"):
+        load_target(tmp_path / "cap.obj")
+    cloud = tmp_path / "cloud.obj"
+    cloud.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\n")
+    with pytest.raises(ScanError, match="holds points without triangles"):
+        load_target(cloud)
+    with pytest.raises(TargetError, match="unit = 'feet'"):
+        load_target(cloud, unit="feet")
 
 
 def test_the_plastic_is_on_the_convex_side_and_upright() -> None:
@@ -133,3 +147,9 @@ def test_a_large_target_is_decimated_with_a_note() -> None:
     moved = float(re.search(r"by at most (\S+) mm", note)[1])  # type: ignore[index]
     away = np.abs(target.nearest(vertices @ target.motion.T + target.shift_mm).distance)
     assert away.max() == pytest.approx(moved, rel=0.1) and moved < 0.01
+
+
+def test_a_small_target_stays_as_it_is() -> None:
+    vertices, triangles = spherical_cap(35.0)
+    target = TargetSurface.of_triangles(vertices, triangles)
+    assert target.notes == () and len(target.disk.triangles) == len(triangles)

@@ -11,6 +11,7 @@ from scipy.optimize import minimize_scalar
 from asterism.discrete.energies.membrane import Membrane
 from asterism.measure.fabric import fabric_modulus_mpa, nominal_stress
 from asterism.pattern.design.design import GRAVITY_M_S2
+from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.materials import Fabric
 from tests.asterism.commands import Cli
 
@@ -39,6 +40,15 @@ def test_the_strip_has_the_energy_of_the_model(
     assert nominal_stress(stretch, poisson, model) == pytest.approx(expected, rel=1e-5)
     mass = 0.25 * expected * 40.0 * 0.8 / (1e-3 * GRAVITY_M_S2)
     assert fabric_modulus_mpa(mass, 40.0, 0.8, stretch, poisson, model) == pytest.approx(0.25, rel=1e-5)
+
+
+@pytest.mark.parametrize(
+    ("values", "said"),
+    [((0.0, 40.0, 0.8, 1.2), "mass_g"), ((9.0, 40.0, 0.8, 1.0), "stretch"), ((9.0, 40.0, 80.0, 1.2), "thickness")],
+)
+def test_values_out_of_range(values: tuple[float, float, float, float], said: str) -> None:
+    with pytest.raises(DesignError, match=said):
+        fabric_modulus_mpa(*values)
 
 
 def test_the_command(cli: Cli) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+import pypdfium2
 import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
@@ -72,6 +73,12 @@ def filled(folder: Path, overhangs: list[float]) -> Path:
 def test_readings_of_one_strip_count_as_one(tmp_path: Path) -> None:
     means = read_overhangs(filled(tmp_path, [50.0, 52.0, 54.0, 56.0, 60.0]))
     assert means == pytest.approx([float(np.prod([50.0, 52.0, 54.0, 56.0])) ** 0.25, 60.0])
+
+
+def test_the_printed_page_holds_the_slope_and_the_last_step(tmp_path: Path) -> None:
+    write_overhang_form(tmp_path)
+    text = pypdfium2.PdfDocument(tmp_path / "overhangs.pdf")[0].get_textpage().get_text_bounded()
+    assert "41.5 degrees at 1:1" in text and "asterism strips overhang overhangs.csv" in text
 
 
 def test_a_table_that_was_filled_in_stays(tmp_path: Path) -> None:

@@ -97,6 +97,13 @@ def test_drawn_rods_are_shown_as_the_arms_of_stars_are() -> None:
     assert len(arrays["strain"]) == len(shape.printed)
 
 
+def test_the_panel_tells_the_numbers_of_the_shape(preview: asterism.Preview) -> None:
+    shape = preview.shape()
+    known = dict(shape_traits(shape)["panel"]["figures"])
+    assert known["Height"] == f"{shape.height_mm:.1f} mm" and known["Computed"] == "by the preview"
+    assert known["Estimated error"].startswith(f"± {shape.summary['expected_rms_percent']:.1f} %")
+
+
 def test_sliders_change_the_preview_as_an_edit_of_the_design_does(preview: asterism.Preview) -> None:
     live = LiveSheet(preview)
     opened = live.opening()

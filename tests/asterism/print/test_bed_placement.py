@@ -7,6 +7,7 @@ from typing import Any
 
 import pytest
 
+from asterism.pattern import gallery
 from asterism.pattern.design.design import Design, save_design
 from asterism.print import printer as profiles
 from asterism.print.bed_placement import frame_warning, size_warning
@@ -16,6 +17,11 @@ from tests.asterism.commands import Cli
 
 def sheet(sides: tuple[float, float], **more: Any) -> Design:
     return Design.from_dict({"stars": {"length_mm": 8.0}, "border": {"rectangle_mm": list(sides)}} | more)
+
+
+@pytest.mark.parametrize("name", gallery.names())
+def test_every_design_of_the_gallery_fits_a_known_printer(name: str) -> None:
+    assert not list(size_warning(gallery.load(name)))
 
 
 def test_a_large_print_is_named_with_the_printers_and_fits_a_printer_of_the_user(tmp_path: Path) -> None:
@@ -60,6 +66,8 @@ def test_the_frame_is_an_option(
     assert given.status == 0 and "larger than the bed" not in given.err
     assert "frame of 200 x 180 mm" in " ".join((tmp_path / "d-print" / "instructions.txt").read_text().split())
     assert "larger than the bed" in cli([*words, "--frame", "240"]).err
+    # the profile of this printer states its frame
+    assert "larger than the bed" not in cli(["export", "d.toml", "--printer", "ultimaker2"]).err
     for wrong in ("wide", "1x2x3", "5x5", ""):
         refused = cli([*words, f"--frame={wrong}"])
         assert refused.status == 2 and "--frame" in refused.line, wrong

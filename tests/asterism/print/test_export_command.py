@@ -46,6 +46,13 @@ def test_a_smaller_check_square_is_told_everywhere(file: Path, tmp_path: Path, r
     assert "Draw a square of 60 mm" in (tmp_path / "out" / "instructions.txt").read_text()
 
 
+def test_the_fabric_is_to_be_measured_stretched(file: Path, tmp_path: Path, run: Run) -> None:
+    assert "released fabric; measure it stretched: --fabric" in run("export", "d.toml", "-o", "out").out
+    assert (tmp_path / "out" / "start.gcode").read_text().startswith("; for 0.80 mm of fabric, released")
+    assert "(plate and stretched fabric)" in run("export", "d.toml", "-o", "out", "--fabric", "0.4").out
+    assert "released" not in (tmp_path / "out" / "start.gcode").read_text()
+
+
 def test_the_design_is_not_written_over(file: Path, tmp_path: Path, run: Run) -> None:
     rounded = file.rename(tmp_path / "rounded.toml")
     before = rounded.read_bytes()

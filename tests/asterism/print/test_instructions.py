@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -84,6 +85,21 @@ def test_printers_that_home_onto_the_bed_are_warned_of() -> None:
     assert "BEFORE" not in said(job(printer={"homes": "away"}))
 
 
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"border": False}, "along the cut line of layout.pdf"),
+        ({}, "along the inner edge of the printed line"),
+    ],
+)
+def test_how_to_cut(options: dict[str, Any], words: str) -> None:
+    assert words in said(job(**options))
+
+
+def test_free_sheets_have_no_needles() -> None:
+    assert "no pins" in said(job(design(pins=[])))
+
+
 @pytest.mark.parametrize("name", ["small", "W" * 100])
 def test_texts_stay_on_their_pages(name: str) -> None:
     one = job(design(name=name.strip()))
@@ -94,6 +110,13 @@ def test_texts_stay_on_their_pages(name: str) -> None:
     for page in (*pages, sheets.layout_sheet(one), sheets.stretch_sheet(one), template):
         check_texts(page)
     assert all(tuple(page.size_mm) == (210.0, 297.0) for page in pages)
+
+
+def test_many_needles_make_a_longer_page() -> None:
+    one = job(needle_spacing_mm=4.0)
+    template = sheets.needle_sheet(one)
+    assert template is not None and 20 < len(one.needles) < 40
+    check_texts(template)
 
 
 def test_needles_without_a_place_get_no_hole() -> None:
@@ -141,6 +164,13 @@ def test_heights_and_order_of_the_needles() -> None:
     assert "at these heights over the base: 25.0 mm at needle 1; on the base at the others." in text
     assert "in the design's order: first needle 1, then needles 2 to 7." in text
     assert "in the design's order" not in said(job()) and "at these heights" not in said(job())
+
+
+def test_many_heights_are_beside_their_holes() -> None:
+    points = [[3.0 * k, 0.0] for k in range(-7, 8)]
+    targets = [[2.5 * k, 0.0, 10.0 + 0.5 * k] for k in range(-7, 8)]
+    text = said(job(design(pins=[{"points_mm": points, "target_mm": targets}])))
+    assert "heights over the base that are written beside their holes" in text
 
 
 def test_needles_that_stand_on_the_cut_line_or_on_an_arm_are_told() -> None:

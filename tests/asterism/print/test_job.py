@@ -143,6 +143,14 @@ def test_nothing_is_printed_on_the_bars_of_the_frame() -> None:
     assert job(printer=framed(edge + 30.0, 5.0)).border is not None
 
 
+def test_a_turn_may_help_between_the_bars_too() -> None:
+    bar = design(fabric={}, stars={"length_mm": 8.0}, border={"rectangle_mm": [150.0, 40.0]}, pins=[])
+    frame = {"frame": {"size_mm": (150.0, 190.0), "bar_mm": 15.0}}
+    with pytest.raises(DesignError, match=r"between the bars of the frame; --turn [0-9]+ makes it fit$") as caught:
+        job(bar, printer=frame)
+    job(bar, printer=frame, turn_deg=float(str(caught.value).split("--turn ")[1].split()[0]))
+
+
 def test_wider_arms_that_run_into_each_other_are_refused() -> None:
     """Arms of 1.0 mm that lie 1.14 mm apart become 1.2 mm wide."""
     close = {"length_mm": 16.0, "width_mm": 1.0}
@@ -253,6 +261,21 @@ def test_arms_change_height_where_their_rounding_does(ends: tuple[float, float])
     np.testing.assert_allclose(heights[np.searchsorted(at, along) - 1], wanted, atol=1e-9)
 
 
+def test_a_turn_is_named_only_if_the_fabric_fits_the_frame_too() -> None:
+    bar = design(fabric={}, stars={"length_mm": 8.0}, border={"rectangle_mm": [280.0, 40.0]}, pins=[])
+    with pytest.raises(DesignError, match=r"--turn [0-9]+ makes it fit$") as caught:
+        job(bar)
+    job(bar, turn_deg=float(str(caught.value).split("--turn ")[1].split()[0]))
+
+
 def test_what_is_only_described_may_be_of_any_size() -> None:
     assert "must be within the 223.0 x 223.0 mm" in job(rectangle(400.0, 300.0), any_size=True).too_large
     assert job(any_size=True).too_large == ""
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"fabric_mm": -3.0}, {"needle_spacing_mm": 0.0}, {"needle_spacing_mm": float("nan")}, {"turn_deg": 400.0}]
+)
+def test_impossible_numbers_are_refused_in_python_too(wrong: dict[str, float]) -> None:
+    with pytest.raises(DesignError, match="must be from"):
+        job(**wrong)

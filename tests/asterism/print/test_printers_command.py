@@ -9,6 +9,12 @@ import pytest
 from tests.asterism.print.exported import Run
 
 
+def test_printers_are_listed(tmp_path: Path, run: Run) -> None:
+    result = run("printers")
+    assert result.status == 0
+    assert "ultimaker2" in result.out and "tpu95a" in result.out and "ASTERISM_PROFILES" in result.out
+
+
 def test_a_broken_file_of_ones_own_does_not_hide_the_others(
     tmp_path: Path, run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:

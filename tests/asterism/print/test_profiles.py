@@ -43,6 +43,19 @@ def test_every_printer_starts_on_the_fabric(name: str) -> None:
     assert move[:2] == ["G1", "Z14.80"] and setting == ["G92", "Z10.00"]
 
 
+def test_the_papers_printer() -> None:
+    printer = profiles.load_printer("ultimaker2")
+    assert printer.bed_mm == (223.0, 223.0) and printer.frame.size_mm == (260.0, 260.0)
+    assert (printer.nozzle_mm, printer.layer_mm, printer.filament_mm) == (0.4, 0.2, 2.85)
+    assert printer.bed_centre_mm == (111.5, 111.5)
+
+
+def test_all_that_come_along_can_be_read() -> None:
+    assert {"ultimaker2", "prusa-mk4", "ender-3"} <= set(profiles.profile_names("printers"))
+    for name in profiles.profile_names("plastics"):
+        assert profiles.load_plastic(name).density_kg_m3 > 500
+
+
 @pytest.mark.parametrize("variable", ["HOME", "XDG_CONFIG_HOME"])
 def test_the_folder_of_the_user_is_that_of_command_line_programs(
     variable: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path

@@ -71,6 +71,12 @@ def test_pages_are_a3_with_the_papers_frame(folder: Path) -> None:
         assert measure.pdf_size_mm(folder / "layout.pdf", page) == pytest.approx((420.0, 297.0), abs=SAME_MM)
 
 
+def test_pages_grow_with_the_frame(tmp_path: Path) -> None:
+    large = job(printer={"frame": {"size_mm": [400.0, 350.0], "plate_mm": 4.0}})
+    write_pdf(tmp_path / "a.pdf", [sheets.layout_sheet(large)])
+    assert measure.pdf_size_mm(tmp_path / "a.pdf", 0) == pytest.approx((560.0, 387.0), abs=SAME_MM)
+
+
 @pytest.mark.slow
 def test_the_check_square_on_the_rendered_svg(one: Job, folder: Path) -> None:
     pytest.importorskip("resvg_py")
@@ -99,6 +105,15 @@ def test_dxf_is_sound_and_in_millimetres(one: Job, folder: Path) -> None:
         text = (folder / name).read_text(encoding="utf-8")
         assert "$INSUNITS\n 70\n4\n" in text
         assert all(entity.dxf.layer in document.layers for entity in document.modelspace())
+
+
+def test_dxf_can_be_seen_on_black_and_on_white(folder: Path) -> None:
+    import ezdxf
+
+    layers = ezdxf.readfile(folder / "layout.dxf").layers
+    for name in ("stars", "text"):
+        assert layers.get(name).color == 7 and layers.get(name).rgb is None
+    assert layers.get("cut").rgb == (0xD0, 0x1C, 0x1C)
 
 
 def test_dxf_has_the_right_sizes_on_the_right_layers(one: Job, folder: Path) -> None:
@@ -151,6 +166,10 @@ def test_svg_is_in_millimetres_and_survives_any_name(one: Job, folder: Path) -> 
     assert one.design.name in texts
 
 
+def test_a_free_sheet_needs_no_template() -> None:
+    assert sheets.needle_sheet(job(design(pins=[]))) is None
+
+
 @pytest.mark.parametrize(
     ("stretch", "printer", "side"),
     [
@@ -183,6 +202,13 @@ def test_a_fabric_that_stays_longer_is_stretched_further() -> None:
     assert np.allclose(made.check_after_mm, made.check_before_mm * 1.04 * np.array([1.3, 1.2]))
     assert "stretch that you measured, over 1.04, into fabric.stretch" in " ".join(texts(sheets.stretch_sheet(made)))
     assert "stretched by 1.352 along x and 1.248 along y" in " ".join(texts(sheets.layout_sheet(made)))
+
+
+def test_everything_is_on_its_page(one: Job) -> None:
+    template = sheets.needle_sheet(one)
+    assert template is not None
+    for drawing in (sheets.layout_sheet(one), sheets.stretch_sheet(one), template):
+        check_page(drawing)
 
 
 def check_page(drawing: Drawing) -> None:
@@ -248,6 +274,13 @@ def test_the_same_drawing_is_the_same_file(tmp_path: Path) -> None:
     assert b"CreationDate" not in (tmp_path / "1" / "a.pdf").read_bytes()
 
 
+def test_dates_of_other_dxf_files_stay(tmp_path: Path) -> None:
+    import ezdxf
+
+    write_dxf(tmp_path / "a.dxf", sheets.layout_sheet(job()))
+    assert not ezdxf.options.write_fixed_meta_data_for_testing
+
+
 @pytest.mark.parametrize(
     ("stretch", "turn", "stretched_deg", "released_deg"), [(1.35, 90.0, 120.0, 120.0), ([1.5, 1.2], 0.0, 24.79, 30.0)]
 )
@@ -260,3 +293,8 @@ def test_an_arrow_shows_the_grain(stretch: Any, turn: float, stretched_deg: floa
         along = arrow.points[1] - arrow.points[0]
         assert np.degrees(np.arctan2(along[1], along[0])) == pytest.approx(angle, abs=0.01)
         assert "grain" in " ".join(item.text for item in page.items if isinstance(item, Label))
+
+
+def test_fabric_without_a_grain_has_no_arrow(one: Job) -> None:
+    for page in (sheets.layout_sheet(one), sheets.stretch_sheet(one)):
+        assert not [item for item in page.items if isinstance(item, Polyline) and item.layer.name == "grain"]

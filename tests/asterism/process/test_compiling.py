@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import subprocess
+import sys
 import time
 from pathlib import Path
 from types import ModuleType
@@ -11,13 +12,17 @@ from typing import Any
 
 import pytest
 
+from asterism.pattern import gallery
+from asterism.pattern.design.errors import MeshError
 from asterism.process import compiling
 from asterism.process.compiling import (
+    WARM_UP,
     announce_compiling,
     clock_without_compiling,
     compiling_ahead,
     signs_while_compiling,
 )
+from tests.asterism.commands import Cli
 
 pytest.importorskip("numba")
 
@@ -88,6 +93,30 @@ def test_a_clock_stands_still_while_loops_are_compiled_or_read(tmp_path: Path) -
             assert 0.05 <= clock() - by_the_clock <= time.perf_counter() - begun
 
 
+@pytest.mark.parametrize(
+    ("word", "engine"),
+    [
+        ("preview", "asterism.previews.session.preview"),
+        ("simulate", "asterism.verification.both_starts.simulate"),
+        ("verify", "asterism.verification.run.verify"),
+    ],
+)
+def test_commands_say_it(word: str, engine: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, cli: Cli) -> None:
+    def compile_and_stop(*arguments: object, **options: object) -> None:
+        fresh(tmp_path, "asterism.fem.loops").first(1)
+        raise MeshError("enough")
+
+    monkeypatch.setattr(engine, compile_and_stop)
+    found = cli([word, str(gallery.path("star")), "-o", str(tmp_path / "out")])
+    lines = found.err.splitlines()
+    # the exact model's cost comes first
+    assert lines[: len(lines) - 2] == [line for line in lines if line.startswith("about ")]
+    assert lines[-2:] == [
+        "compiling the preview's shell: about 20 s, later runs have the code",
+        "asterism: enough",
+    ]
+
+
 def test_long_compiling_gives_signs_of_life(tmp_path: Path) -> None:
     signs: list[str] = []
     with signs_while_compiling(signs.append, 0.001):
@@ -126,3 +155,10 @@ def test_another_process_compiles_only_where_it_helps_and_ends_with_the_block(
         assert [process.poll() for process in started] == [None] * starts
         raise KeyboardInterrupt
     assert all(process.returncode is not None for process in started)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("program", WARM_UP.values(), ids=WARM_UP.keys())
+def test_the_programs_that_compile_ahead_run(program: str) -> None:
+    """Nobody sees if they fail."""
+    subprocess.run([sys.executable, "-c", program], check=True)

@@ -14,6 +14,7 @@ from PIL import Image
 
 import asterism
 from asterism.pattern.design.design import Design, save_design
+from asterism.pattern.design.errors import DesignError
 from asterism.reports.compare_designs import DesignsComparison, compare_designs
 from tests.asterism.commands import command
 
@@ -140,3 +141,8 @@ def test_the_command_prints_the_numbers(
     assert alone.status == 2 and alone.line == "asterism: must be 2 to 12 design files, not 1"
     pdf = command(["compare-designs", *2 * [str(tmp_path / "a.toml")], "-o", "x.pdf"], capsys, monkeypatch)
     assert pdf.status == 2 and pdf.line == "asterism: --output: 'x.pdf' must end with .html"
+
+
+def test_too_few_designs_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(DesignError, match="must be 2 to 12 designs"):
+        compare_designs([small()], tmp_path / "x.html")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import time
 from base64 import b64decode
 from dataclasses import replace
 from io import BytesIO
@@ -19,12 +20,14 @@ from asterism.pattern.design.design import Design
 from asterism.previews.session import preview
 from asterism.process.version import __version__
 from asterism.reports.verification_page import verification_page, write_verification
+from asterism.reports.write_results import write_results
 from asterism.shape.read_shape import read_shape
 from asterism.shape.vtu import write_shape_vtu
 from asterism.verification import run
 from asterism.verification.run import verify
 from asterism.verification.verification import Verification
 from tests.asterism.previews.laws import plain_law
+from tests.asterism.process.test_compiling import fresh
 from tests.asterism.verification.browser import lacks_browser, opened
 from tests.asterism.verification.printed import design
 
@@ -76,6 +79,25 @@ def test_summary(found):
     assert s["preview"] and s["design"]["name"] == NAME
 
 
+def test_compiling_counts_for_neither_model(found, tmp_path, monkeypatch):
+    """It happens in the first run only, mostly within the exact model."""
+    pytest.importorskip("numba")
+    spent: list[float] = []
+
+    def compiled_first(*_, **__):
+        folder = tmp_path / str(len(spent))
+        folder.mkdir()
+        loops = fresh(folder, f"discrete.loops{len(spent)}")
+        begun = time.perf_counter()
+        loops.first(3)
+        spent.append(time.perf_counter() - begun)
+        return found.exact["release"]
+
+    monkeypatch.setattr(run, "exact_shape", compiled_first)
+    s = run.verify(OF, ready=found.preview).summary
+    assert len(spent) == 2 and s["exact_s"] < 0.5 * spent[0] and s["exact_from_preview_s"] < 0.5 * spent[1]
+
+
 def test_files(found, folder):
     summary = json.loads((folder / "summary.json").read_text())
     assert summary["rms_percent"] == pytest.approx(found.summary["rms_percent"])
@@ -90,6 +112,14 @@ def test_another_shape_in_its_folder_is_not_taken_for_a_verified_one(found, fold
     write_shape_vtu(found.exact["release"], tmp_path / "shape.vtu")
     (tmp_path / "summary.json").write_bytes((folder / "summary.json").read_bytes())
     assert read_shape(tmp_path).summary == {}
+
+
+@pytest.mark.usefixtures("blank_pictures")
+def test_it_takes_the_place_of_another_result(found, tmp_path):
+    write_results(found.exact["release"], tmp_path)
+    files = write_verification(found, tmp_path)
+    assert sorted(file.name for file in tmp_path.iterdir()) == files
+    assert read_shape(tmp_path).positions == pytest.approx(found.comparison.reference.positions, abs=1e-6)
 
 
 def test_names_of_files_that_are_no_text_do_not_stop_it(found, tmp_path):
@@ -196,6 +226,14 @@ def test_a_long_entry_of_the_design_is_cut_on_the_page(found):
     design = found.summary["design"] | {"border": {"polygon_mm": corners}}
     text = verification_page(replace(found, summary=found.summary | {"design": design}))
     assert "[100.0, 0.25]" not in text and "[1.0, 0.25]" in text and " characters)" in text
+
+
+def test_what_is_slower_is_not_called_faster(found):
+    quick, slow = (
+        verification_page(replace(found, summary=found.summary | {"speedup": ratio})) for ratio in (27.3, 0.42)
+    )
+    assert "<b>27 ×</b><span>faster than the exact model</span>" in quick
+    assert "<b>0.42 ×</b><span>as fast as the exact model</span>" in slow
 
 
 def test_heights_of_nothing_are_no_percent(found):

@@ -12,7 +12,7 @@ import asterism
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-from asterism.results.words import roll
+from asterism.results.words import direction, roll
 from asterism.shape.measures import needle_clearance, tube_radius
 from tests.asterism import sheets
 
@@ -35,6 +35,11 @@ def test_what_is_as_near_to_a_plane_is_no_tube() -> None:
     flat = 17.0 * np.column_stack([np.cos(turns), np.sin(turns)])
     waving = np.vstack([[0.0, 0.0, 0.0], np.column_stack([flat, 2.0 * np.cos(3.0 * turns)])])
     assert tube_radius(waving, np.tile([0.0, 0.0, 1.0], (7, 1))) is None
+
+
+def test_half_a_turn_is_none() -> None:
+    assert [direction(axis) for axis in (0.0, 45.4, 179.4, 179.996)] == ["0", "45", "179", "0"]
+    assert roll(179.996, 68.04) == "0 deg, radius 68.0 mm"
 
 
 @pytest.mark.slow
@@ -60,6 +65,11 @@ def test_four_stars_are_on_many_tubes() -> None:
     assert len(shape.star_vertices) == 4 and shape.summary["roll_radius_mm"] is None
     assert tube_radius(np.eye(4, 3), np.eye(4, 3)) is None
     assert roll(90.0, None) == "90 deg"
+
+
+def test_what_is_not_rolled_has_no_radius() -> None:
+    summary = asterism.preview(asterism.new("dome")).summary
+    assert summary["roll_axis_deg"] is None and summary["roll_radius_mm"] is None
 
 
 def saddle(flat: Floats) -> Floats:

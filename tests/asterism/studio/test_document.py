@@ -191,6 +191,22 @@ def test_saving_under_another_name_goes_on_with_that_file(tmp_path: Path):
     assert path.read_bytes() == gallery.path("dome").read_bytes()
 
 
+def test_unsaved_work_is_never_written_over(tmp_path: Path):
+    path = tmp_path / "dome.toml"
+    path.write_bytes(gallery.path("dome").read_bytes())
+    earlier = Document.open(path)
+    earlier.change({"name": "earlier"})
+    earlier.keep_work()
+    later = Document.open(path)
+    later.change({"name": "later"})
+    later.keep_work()
+    kept = [read_table(file)["name"] for file in sorted(tmp_path.glob(".dome.*"))]
+    assert sorted(kept) == ["earlier", "later"]
+    later.autosave.forget(None)
+    later.save()
+    assert list(tmp_path.glob(".dome.*")) == []
+
+
 def test_a_sheet_that_was_never_saved_is_offered_and_keeps_its_name(tmp_path: Path):
     path = free_name(tmp_path, "dome")
     document = Document.copy_of(gallery.path("dome"), path)

@@ -19,6 +19,7 @@ from asterism.homogenize.campaign.workers import CampaignProgress
 from asterism.homogenize.law.law_file import PAPER_LAW
 from asterism.pattern.design.design import Design
 from asterism.sweeps.run import sweep_design
+from asterism.sweeps.solve_point import named_law
 from asterism.sweeps.sweep import Sweep, sweep_csv, write_sweep
 from tests.asterism.commands import Cli
 from tests.homogenize import same_process
@@ -79,6 +80,18 @@ def test_finished_designs_are_not_computed_again(once: tuple[Path, Sweep], monke
     again = sweep_design(small(), VARY, folder=folder, report=reports.append)
     assert [progress.done for progress in reports] == [4] and reports[0].failed == 2
     assert again.summary == result.summary and sweep_csv(again) == sweep_csv(result)
+
+
+def test_a_changed_law_of_the_design_is_not_the_same_law(tmp_path: Path) -> None:
+    file = tmp_path / "own.npz"
+    table = {"material": {"law": str(file)}}
+    assert named_law({}) is None and named_law(table) is None
+    names = []
+    for number, content in enumerate((b"one", b"two", b"one")):
+        file.write_bytes(content)
+        os.utime(file, ns=(number, number))
+        names.append(named_law(table))
+    assert names[0] == names[2] != names[1]
 
 
 def test_a_law_that_this_machine_cannot_read_is_tried_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -191,6 +204,25 @@ def test_a_sweep_without_a_shape_ends_with_1_and_a_reason(tmp_path: Path, cli: C
     ended = cli(["sweep", str(written(tmp_path)), "--vary", "stars.length_mm=30", "-q"])
     assert ended.status == 1
     assert ended.line == "asterism: no design has a shape; the column problem of sweep.csv has the reasons"
+
+
+def test_a_folder_in_the_way_is_named_before_anything_is_computed(tmp_path: Path, cli: Cli) -> None:
+    page = tmp_path / "seven-sweep" / "sweep.html"
+    page.mkdir(parents=True)
+    ended = cli(["sweep", str(written(tmp_path)), "--vary", "stars.length_mm=7,8"])
+    assert ended.status == 2 and ended.line == f"asterism: cannot write {page}: a folder is in the way"
+    assert [file.name for file in page.parent.iterdir()] == ["sweep.html"]
+
+
+def test_numbers_of_options_are_refused_in_plain_words(tmp_path: Path, cli: Cli) -> None:
+    words = ["sweep", str(written(tmp_path)), "--vary", "stars.length_mm=7,8"]
+    for option, problem in {
+        "--jobs=0": "'--jobs': must be at least 1",
+        "--jobs=1001": "'--jobs': must be at most 1000",
+        "--seed=x": "'--seed': must be a whole number",
+    }.items():
+        ended = cli([*words, option])
+        assert ended.status == 2 and ended.line == f"asterism: Invalid value for {problem}"
 
 
 def test_many_designs_need_consent(tmp_path: Path, cli: Cli) -> None:

@@ -13,7 +13,7 @@ from asterism.pattern.geometry.planar import inside
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
 from asterism.reports.plots import profile_cut
-from asterism.verification.minima import _same_stars_down, right_shape
+from asterism.verification.minima import _same_stars_down, right_shape, same_energy
 
 
 def shape(energy: float, off: tuple[int, ...] = (), minimum: bool = True, **more: Any) -> Any:
@@ -33,6 +33,11 @@ def shape(energy: float, off: tuple[int, ...] = (), minimum: bool = True, **more
 )
 def test_certified_ones_first_then_sides_then_energy(release: Any, preview: Any, counts: str) -> None:
     assert right_shape({"release": release, "preview": preview}) == counts
+
+
+def test_two_minima_are_one_if_their_energies_are() -> None:
+    assert same_energy(854.4459, 854.4459 + 1e-5) and same_energy(-1.0, -1.0 - 1e-8)
+    assert not same_energy(854.4459, 853.9709)
 
 
 def test_starts_agree_only_on_images_of_each_other() -> None:

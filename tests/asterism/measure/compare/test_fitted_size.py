@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
+from asterism.equilibrium.arrays import Floats
 from asterism.measure.compare.scan import Scan
-from asterism.measure.compare.scan_comparison import ScanComparison, compare_scan
+from asterism.measure.compare.scan_comparison import ScanComparison, compare_scan, fitted_size
 from asterism.pattern import gallery
 from asterism.pattern.geometry.normals import vertex_normals
 from asterism.previews.session import preview
@@ -52,3 +54,17 @@ def test_one_side_of_a_roll_is_no_other_size() -> None:
         size = compare_scan(shape, Scan(scale * points, 0, len(points))).size
         assert size is not None
         assert size.lifted_rms_mm < 0.6 * size.rms_mm if scale == 1.0 else size.lifted_rms_mm > size.rms_mm
+
+
+def test_a_scan_is_lifted_by_no_more_than_a_sheet_is_thick() -> None:
+    """By 2 mm: what lies farther off is no other side of the sheet."""
+
+    def roll(points: Floats) -> Floats:
+        x, y = points.T
+        return np.column_stack([30.0 * np.sin(x / 30.0), y, 30.0 * np.cos(x / 30.0)])
+
+    shape = sheet(roll, edge=3.0)
+    for off_mm in (1.0, 3.0, -3.0):
+        side = replace(shape, positions=shape.positions + off_mm * vertex_normals(shape.positions, shape.triangles))
+        size = fitted_size(shape, scanned(side, 5, 0.05, other=0.0)[0], 10.0)
+        assert size is not None and (size.lifted_rms_mm > 0.3) == (abs(off_mm) > 2.0)

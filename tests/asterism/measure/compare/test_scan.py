@@ -67,6 +67,12 @@ def test_clouds(name: str, tmp_path: Path) -> None:
     )
 
 
+def test_several_parts_and_polygons(tmp_path: Path) -> None:
+    corners = "v 0 0 0\nv 50 0 0\nv 50 50 0\nv 0 50 0\nv 0 0 9\nv 50 0 9\nv 50 50 9\n"
+    (tmp_path / "a.obj").write_text(corners + "o one\nf 1 2 3 4\no two\nf 5 6 7\n")
+    assert read_scan(tmp_path / "a.obj").triangles == 3
+
+
 def test_samples_are_spread_by_area() -> None:
     points, which = surface_samples(SHAPE.positions, SHAPE.triangles, 50_000, np.random.default_rng(0))
     share = np.bincount(which, minlength=len(SHAPE.triangles)) / len(points)
@@ -100,6 +106,11 @@ def test_mistakes(name: str, content: bytes, problem: str, tmp_path: Path) -> No
     assert name in str(caught.value) and "\n" not in str(caught.value)
 
 
+def test_a_file_that_is_not_there(tmp_path: Path) -> None:
+    with pytest.raises(ScanError, match="not there"):
+        read_scan(tmp_path / "a.obj")
+
+
 @pytest.mark.parametrize(
     ("size", "unit", "says"),
     [
@@ -115,3 +126,8 @@ def test_mistakes(name: str, content: bytes, problem: str, tmp_path: Path) -> No
 def test_units_are_recognised(size: float, unit: str, says: str) -> None:
     with pytest.raises(ScanError, match=says):
         check_size(Path("a.obj"), size, 100.0, unit)
+
+
+@pytest.mark.parametrize("size", [30.0, 100.0, 190.0])
+def test_parts_and_surroundings_pass(size: float) -> None:
+    check_size(Path("a.obj"), size, 100.0, "mm")

@@ -165,6 +165,27 @@ WITHOUT_FABRIC = HEAD.replace("stretch,fabric_thickness_mm,", "")
         (HEAD + "1,.3,60,1.35,.8,0,.030\n2,.4,60,1.35,.8,.0,.017", [], "row 2, column peeled_curvature", "swapped"),
         (BOXES + "a,.3,60,1.35,.8,59.8,1.35,48.4,13\n", [], "row 2, column peeled_box_width_mm", "swapped"),
         (HEAD + "1,.3,60,1.35,.8,.03,.003", ["--stretch", "1.4"], "row 2, column stretch", "--stretch is for tables"),
+        (HEAD + "1,.3,60,1.35,.8,.03,.003", ["--stretch", "1.35"], "row 2, column stretch", "--stretch is for tables"),
+        (
+            HEAD + "1,.3,60,1.35,,.03,.003\n2,.3,60,1.35,.8,.03,.003",
+            ["--fabric-thickness", ".7"],
+            "row 3, column fabric_thickness_mm",
+            "--fabric-thickness is for tables",
+        ),
+        (
+            HEAD + "1,.3,6,1.35,.8,.03,.003",
+            [],
+            "row 2, column length_mm",
+            "from 10 to 1000 mm; is it in inches or cent",
+        ),
+        (
+            BOXES + "1,.3,15,1.35,.8,105.3,49.7,,\n",
+            [],
+            "row 2, column length_mm",
+            "about 160 by its box; is it in cent",
+        ),
+        (BOXES + "1,.3,60,1.35,.8,5.3,1.18,,\n", [], "row 2, column box_width_mm", "centimetres"),
+        (HEAD + "1,.03,60,1.35,.8,.03,.003", [], "row 2, column thickness_mm", "is it in inches or centimetres"),
     ],
 )
 def test_a_wrong_table_is_refused_with_its_place(
@@ -254,3 +275,14 @@ def test_what_a_material_does_not_change_is_said(tmp_path: Path) -> None:
     assert notes == [f"{file}: its lattice is not used, but that of the design (spacings 8 mm, 17.32 mm)"]
     with pytest.raises(DesignError, match=r"lattice\.spacing_mm = 8.0: needs a \[plan\] of its own"):
         load_material(file)
+
+
+@pytest.mark.usefixtures("blank_pictures")
+def test_simulate_takes_a_material(tmp_path: Path, cli: Cli) -> None:
+    (tmp_path / "d.toml").write_text("[stars]\nlength_mm = 10.0\n[border]\nrings = 0\n[mesh]\nedge_mm = 4.0\n")
+    (tmp_path / "m.toml").write_text("[plastic]\nmodulus_ratio = 2000.0\n")
+    words = ["simulate", str(tmp_path / "d.toml"), "-o", str(tmp_path / "out"), "--material"]
+    assert cli([*words, str(tmp_path / "m.toml")]).status == 0
+    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
+    assert summary["design"]["plastic"]["modulus_ratio"] == 2000.0
+    assert "none.toml" in cli([*words, "none.toml"]).line
