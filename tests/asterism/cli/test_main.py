@@ -92,7 +92,7 @@ def test_stars_that_do_not_stay_where_they_were_sent_are_named(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """This star starts down, and cannot stay there."""
-    (tmp_path / "d.toml").write_text("[stars]\nlength_mm = 5.0\nbranch = 'down'\n[border]\nrings = 0\n")
+    (tmp_path / "d.toml").write_text(SMALL.replace("10.0", "5.0\nbranch = 'down'"))
     done = command(["simulate", str(tmp_path / "d.toml")], capsys, monkeypatch)
     assert done.status == 0 and "1 of 1 up" in done.out
     assert done.err.endswith("1 of 1 stars of the exact shape are not on the side that the design asks for: star 0\n")

@@ -47,6 +47,7 @@ def test_a_smaller_check_square_is_told_everywhere(file: Path, tmp_path: Path, r
 
 
 def test_the_fabric_is_to_be_measured_stretched(file: Path, tmp_path: Path, run: Run) -> None:
+    save_design(design(stars={"length_mm": 8.0}, border={"rings": 0}, pins=[]), file)
     assert "released fabric; measure it stretched: --fabric" in run("export", "d.toml", "-o", "out").out
     assert (tmp_path / "out" / "start.gcode").read_text().startswith("; for 0.80 mm of fabric, released")
     assert "(plate and stretched fabric)" in run("export", "d.toml", "-o", "out", "--fabric", "0.4").out
