@@ -54,6 +54,15 @@ def test_anything_is_refused(data):
         Design.from_dict(data)
 
 
+@given(st.binary(max_size=60) | st.text(max_size=60).map(str.encode), st.sampled_from(["toml", "json"]))
+@settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_any_file_is_refused(tmp_path, content, suffix):
+    path = tmp_path / f"a.{suffix}"
+    path.write_bytes(content)
+    with pytest.raises(DesignError):
+        load_design(path)
+
+
 def number(low, high):
     return st.floats(low, high, allow_subnormal=False)
 

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import io
 import json
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import numpy as np
@@ -14,7 +16,7 @@ from PIL import Image
 
 from asterism.homogenize.campaign.campaign import SampleRecord
 from asterism.homogenize.campaign.workers import CampaignProgress
-from asterism.homogenize.law.law_file import load_law
+from asterism.homogenize.law.law_file import law_digest, load_law
 from asterism.homogenize.law.plan import CellTask
 from asterism.process.progress_line import CountLine
 from tests.asterism.laws.conftest import Asterism
@@ -57,6 +59,14 @@ def test_a_law_with_all_that_made_it(place: Path) -> None:
     values = table([0.0, 3.0, 10.0], 0.3, 1.2).value
     assert abs(values["lam"][0] * 1.35 - 1) < 1e-12 and values["kappa"][0] == 0
     assert (np.diff(values["lam"]) > 0).all() and (np.diff(values["kappa"]) > 0).all()
+
+
+@pytest.mark.slow
+def test_the_same_plan_gives_the_same_law_from_the_start(place: Path, folder: Path, asterism: Asterism) -> None:
+    """With one process and fresh cells: bit for bit."""
+    (folder / "m.toml").write_text(PLAN)
+    assert asterism(["calibrate", "m.toml", "--jobs", "1"]).status == 0
+    assert law_digest(load_law(folder / "m.npz")) == law_digest(load_law(place / "m.npz"))
 
 
 def test_show_writes_a_picture_and_a_summary(place: Path, asterism: Asterism, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -129,6 +139,26 @@ def test_interrupted_before_a_cell_is_finished(
     ended = asterism(["calibrate", str(tmp_path / "m.toml"), "--jobs", "1"])
     assert ended.status == 130 and ended.line.startswith("asterism: interrupted")
     assert not (tmp_path / "m.npz").exists()
+
+
+@pytest.mark.slow
+def test_interrupted_and_resumed(folder: Path, asterism: Asterism) -> None:
+    (folder / "m.toml").write_text(PLAN)
+    with open(folder / "errors", "w") as errors:
+        words = [sys.executable, "-m", "asterism", "calibrate", "m.toml", "--jobs", "1"]
+        process = subprocess.Popen(words, cwd=folder, stderr=errors)
+    samples = folder / "cells"
+    while not (samples.exists() and list(samples.glob("*.json"))):
+        time.sleep(0.02)
+        assert process.poll() is None
+    process.send_signal(signal.SIGINT)
+    assert process.wait(timeout=60) == 130
+    last = (folder / "errors").read_text().splitlines()[-1]
+    assert last.startswith(f"asterism: interrupted; finished cells are in {samples}")
+    assert not (folder / "m.npz").exists()
+    kept = len(list(samples.glob("*.json")))
+    result = asterism(["calibrate", "m.toml"])
+    assert result.status == 0 and f"{kept} of 6 cells" in result.err.splitlines()[0]
 
 
 def test_cells_that_fail_for_one_reason_have_one_line() -> None:

@@ -123,6 +123,40 @@ def test_an_edit_gives_the_shape_of_a_new_preview(stars: dict[str, Any]) -> None
     assert preview.shape().height_mm == pytest.approx(fresh.shape().height_mm, rel=1e-3)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("step", [0, 1])
+def test_softness_is_known_after_edits_and_pins_too(step: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """No edit waits for it; it is found once, when a summary is asked for."""
+    asked: list[None] = []
+    find = solve_module.softest_shell_modes
+    monkeypatch.setattr(solve_module, "softest_shell_modes", lambda *given: asked.append(None) or find(*given))
+    pins = [{"edges": [0]}, {"points_mm": [[0.0, -60.0]], "target_mm": [[0.0, -45.0, 5.0]], "step": step}]
+    one, other = (design(stars={"thickness_mm": t}, pins=pins, mesh={"edge_mm": 4.0}) for t in (0.3, 0.303))
+    preview, fresh = Preview(one, plain_law()), Preview(other, plain_law())
+    before = preview.shape().summary
+    assert len(asked) == step
+    list(preview.edit(other))
+    assert len(asked) == step
+    after, new = preview.shape().summary, fresh.shape().summary
+    assert after["energy_n_mm"] == pytest.approx(new["energy_n_mm"], rel=1e-6)  # one form
+    assert after["soft_modes_n_mm3"] == pytest.approx(new["soft_modes_n_mm3"], rel=1e-4)
+    assert after["soft_modes_n_mm3"] != pytest.approx(before["soft_modes_n_mm3"], rel=1e-4)
+    assert after["warnings"] == new["warnings"]
+    count = len(asked)
+    assert preview.shape().summary["soft_modes_n_mm3"] == after["soft_modes_n_mm3"] and len(asked) == count
+
+
+def test_the_linear_response_is_right_to_first_order() -> None:
+    missed = []
+    for change in (0.002, 0.001):
+        preview = Preview(gallery.load("dome"), plain_law())
+        data = preview.design.to_dict()
+        data["stars"]["thickness_mm"] = 0.3 + change
+        linear, final = preview.edit(Design.from_dict(data))
+        missed.append(np.abs(linear.x - final.x).max())
+    assert missed[1] < 0.35 * missed[0]
+
+
 def test_an_edit_of_the_outline_starts_anew_and_a_refused_one_changes_nothing() -> None:
     preview = Preview(CURLY, plain_law())
     before = preview.equilibrium.x.copy()
@@ -164,6 +198,18 @@ def test_a_sheet_without_another_side_stays_and_says_so() -> None:
     assert asked["is_minimum"] and asked["energy_n_mm"] == pytest.approx(before.energy, rel=1e-6)
     (line,) = [line for line in asked["warnings"] if "edges" in line]
     assert "go down" in line and "edges up" in line
+
+
+def test_a_sheet_that_goes_up_by_itself_is_flipped_down() -> None:
+    """Its natural curvature is the other one; whatever side `auto` has found, a flip leaves it."""
+    law = plain_law()
+    dome, table = gallery.load("dome"), law.tables[0]
+    nodes = table.node_values.copy()
+    nodes[..., QUANTITY_NAMES.index("kappa")] *= -1.0
+    preview = Preview(dome, replace(law, tables=(with_values(table, nodes), *law.tables[1:])))
+    before = preview.at([0.0, 0.0]).smooth[0, 2]
+    assert preview.flip() == "down"
+    assert preview.at([0.0, 0.0]).smooth[0, 2] * before < -1.0
 
 
 @pytest.mark.slow
@@ -321,6 +367,16 @@ def test_an_edit_that_changes_nothing_leaves_an_equilibrium() -> None:
     assert next(preview.edit(preview.design)).name == "linear" and preview.equilibrium.is_minimum
     assert next(preview.edit(design(pins=preview.design.to_dict()["pins"], stars={"length_mm": 9.0}))).name == "linear"
     assert not preview.equilibrium.is_minimum
+
+
+def test_weight_pulls_a_roof_down() -> None:
+    held = gallery.load("dome").to_dict()
+    held["fabric"]["modulus_mpa"] = 0.005
+    heights = []
+    for on in (False, True):
+        held["gravity"] = {"on": on}
+        heights.append(Preview(Design.from_dict(held), plain_law()).at(np.zeros((1, 2))).smooth[0, 2])
+    assert heights[1] < heights[0]
 
 
 def test_an_edit_changes_the_weight() -> None:

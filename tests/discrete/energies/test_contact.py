@@ -223,6 +223,12 @@ def test_contact_limits_the_roll_of_37_stars() -> None:
     assert across[ContactModel][1:].max() > across[DiscreteModel][1:].max() + 0.5
 
 
+def test_a_second_run_gives_the_same_digits() -> None:
+    _, state = folded_model()
+    first, second = (folded_model()[0].gradient(state) for _ in range(2))
+    np.testing.assert_array_equal(first, second)
+
+
 @pytest.mark.slow
 def test_finer_meshes_have_no_intersections() -> None:
     sheet = model(ContactModel, 2, edge=1.5)

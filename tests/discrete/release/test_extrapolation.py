@@ -7,9 +7,12 @@ import pytest
 
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State, rotate_vectors
+from asterism.discrete.release.ladder import Ladder
+from asterism.discrete.release.levels import SharedSearch, solve_on_meshes
 from asterism.discrete.release.prolongation import extrapolate, plastic_normals, rotation_vectors
 from asterism.pattern import gallery
 from tests.discrete.models import model_of
+from tests.distances import rms_distance
 
 
 def model(edge: float = 2.5, **changes: object) -> DiscreteModel:
@@ -53,3 +56,23 @@ def test_rotation_vectors_invert_the_exponential() -> None:
     before = np.eye(3) + 0.2 * rng.normal(size=(20, 3, 3))
     after = rotate_vectors(spin, before.transpose(0, 2, 1)).transpose(0, 2, 1)
     np.testing.assert_allclose(rotation_vectors(before, after), spin, atol=1e-9)
+
+
+@pytest.mark.slow
+def test_a_fine_mesh_starts_closer_to_its_minimum(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A soft sheet, which changes from mesh to mesh while its creases are not resolved."""
+    starts: list[tuple[DiscreteModel, State, State]] = []
+
+    def noted(m: DiscreteModel, before: State, state: State, share: float) -> State:
+        starts.append((m, state, extrapolate(m, before, state, share)))
+        return starts[-1][2]
+
+    monkeypatch.setattr("asterism.discrete.release.levels.extrapolate", noted)
+    monkeypatch.setattr("asterism.discrete.release.ladder.COARSE_VERTICES", 250)
+    fine = model(17.3205 / 16)
+    search = SharedSearch(Ladder(fine.design, fine.layout))
+    found, levels = solve_on_meshes(search)
+    assert found.is_minimum and len(levels) == 4 and len(starts) == 2
+    for (_, without, start), end in zip(starts, search.ends[2:], strict=True):
+        found_at = end.state.positions
+        assert rms_distance(start.positions, found_at) < 0.8 * rms_distance(without.positions, found_at)

@@ -77,3 +77,9 @@ def test_prolongation_keeps_the_length_of_the_arms_and_the_shape() -> None:
     np.testing.assert_allclose(between[0], between[1], atol=0.5)
     normal = (state.directors * edges).sum(axis=1)
     np.testing.assert_allclose(normal, 0.0, atol=1e-12)
+
+
+@pytest.mark.slow
+def test_the_same_answer_on_the_second_run() -> None:
+    first, second = (solve_on_meshes(search(1.0))[0] for _ in range(2))
+    np.testing.assert_allclose(first.state.positions, second.state.positions, atol=1e-7)

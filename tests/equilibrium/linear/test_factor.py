@@ -58,6 +58,14 @@ def factor(request: pytest.FixtureRequest) -> Iterator[Factor]:
     made.close()
 
 
+@pytest.mark.parametrize("name", [name for name in available() if name != "amg"])
+def test_memory_is_given_back_once(name: str) -> None:
+    made = make_factor(PATTERN, name)
+    assert made.factorise(shifted(laplacian(), 1.0))
+    made.close()
+    made.close()
+
+
 @pytest.mark.skipif("pardiso" not in available(), reason="PARDISO is not installed")
 def test_what_nobody_closes_gives_its_memory_back() -> None:
     made = PardisoFactor(PATTERN)
@@ -100,6 +108,18 @@ def test_inputs_are_left_alone(factor):
     kept = x.copy()
     factor.solve(2.0 * b)
     np.testing.assert_array_equal(x, kept)
+
+
+def test_same_solution_from_all_backends():
+    data, b = shifted(laplacian(3), 1e-3), np.random.default_rng(2).normal(size=PATTERN.size)
+    found = []
+    for name in available():
+        factor = make_factor(PATTERN, name)
+        assert factor.factorise(data)
+        found.append(factor.solve(b))
+        factor.close()
+    for x in found[1:]:
+        np.testing.assert_allclose(x, found[0], atol=1e-10 * np.abs(found[0]).max())
 
 
 def test_two_factors_at_once(factor):

@@ -22,9 +22,11 @@ from asterism.equilibrium.linear.conjugate_gradients import (
     proves_definite,
     solve_by_conjugate_gradients,
 )
+from asterism.equilibrium.linear.factor import IterativeFactor
 from asterism.equilibrium.linear.multigrid import MultigridFactor
 from asterism.equilibrium.linear.sparse_pattern import SparsePattern
 from asterism.equilibrium.newton import certificate
+from asterism.equilibrium.newton.certificate import smallest_eigenvalue
 from asterism.exact.simulation import exact_shape
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
@@ -69,6 +71,11 @@ def sheet() -> tuple[DiscreteModel, object]:
     return model, solve_on_mesh(model)
 
 
+def test_is_what_it_says():
+    assert isinstance(make_factor(PATTERN, "amg"), IterativeFactor)
+    assert not isinstance(make_factor(PATTERN, "superlu"), IterativeFactor)
+
+
 def test_solves_a_laplacian_in_few_iterations():
     factor = MultigridFactor(PATTERN, make_factor, min_unknowns=0)
     data, b = shifted(1e-3), np.random.default_rng(0).standard_normal((PATTERN.size, 2))
@@ -89,6 +96,27 @@ def test_tolerance_is_kept():
         rest = np.linalg.norm(b - PATTERN.product(data, factor.solve(b, tolerance))) / np.linalg.norm(b)
         assert rest <= 1.01 * tolerance
     np.testing.assert_array_equal(factor.solve(np.zeros(PATTERN.size)), 0.0)
+
+
+def test_preconditioner_is_positive_definite_whatever_the_matrix():
+    """The spectrum's lower half is negative but no diagonal entry is: only the coarse matrix is made definite."""
+    factor = MultigridFactor(PATTERN, make_factor, min_unknowns=0)
+    assert factor.factorise(shifted(1.0))
+    data = shifted(-2.0)
+    assert (data[PATTERN.diagonal] > 0.0).all() and np.linalg.eigvalsh(dense(PATTERN, data))[0] < 0.0
+    low = PATTERN.lower(data)
+    factor._data, factor._upper, factor._lower, factor._diagonal = data, low, low.tocsr(), data[PATTERN.diagonal]
+    inverse = np.column_stack([factor.precondition(e) for e in np.eye(PATTERN.size)[:, ::1]])
+    np.testing.assert_allclose(inverse, inverse.T, atol=1e-12 * np.abs(inverse).max())
+    assert np.linalg.eigvalsh(inverse)[0] > 0.0
+
+
+@pytest.mark.parametrize("below", [1e-9, 1e-5, 1e-2, 1.0])
+def test_indefinite_matrices_are_never_proven(below):
+    """The kernel moved below zero; below 1e-9 it drowns in nothing yet."""
+    factor = MultigridFactor(PATTERN, make_factor, min_unknowns=0)
+    assert not (factor.factorise(shifted(-below)) and factor.proves_definite())
+    assert factor.factorise(shifted(below)) and factor.proves_definite()
 
 
 @settings(max_examples=60)
@@ -159,6 +187,17 @@ def test_contact_is_refused_in_one_line():
 
     with pytest.raises(BackendError, match=r"amg.*contact"):
         ReanalysingFactor(Problem(), "amg")
+
+
+def test_eigenvalue_without_a_factorisation(sheet, monkeypatch):
+    monkeypatch.setattr(certificate, "MAX_LANCZOS_UNKNOWNS", 0)
+    model, found = sheet
+    data = model.hessian(found.state, 0.0)
+    factor = MultigridFactor(model.pattern, make_factor, min_unknowns=0)
+    factor.set_near_nullspace(*model.near_nullspace(found.state))
+    pair = smallest_eigenvalue(model.pattern, data, factor, model.rigid_modes(found.state))
+    assert pair.value == pytest.approx(found.smallest_eigenvalue, rel=1e-5)
+    assert pair.error < 0.1 * pair.value
 
 
 def test_same_minimum_as_a_factorisation(sheet, monkeypatch):

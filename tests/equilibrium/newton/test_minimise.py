@@ -283,6 +283,19 @@ def test_an_iterative_solver_is_asked_for_no_more_than_quadratic_convergence_tak
     assert (np.array(factor.asked[1:]) >= 0.1 * (norms[1:-1] / norms[:-2]) ** 2).all()
 
 
+def test_what_was_refused_is_not_tried_again_at_once():
+    """Curvature that stays negative: the amount just found serves the next step too, and only then is less tried."""
+    problem = Analytic(
+        lambda x: x[1] ** 2 - x[0] ** 2, lambda x: [-2.0, 2.0] * x, lambda x: np.diag([-2.0, 2.0]), 2, 0.1
+    )
+    factor = Patient(make_factor(problem.pattern))
+    found = minimise(problem, np.array([1.0, 1.0]), factor, 1e-10, 12, check_definite=False)
+    factor.close()
+    tried = "".join("+" if accepted else "-" for accepted in factor.verdicts)
+    assert found.iterations == 12 and tried.count("+") == 12
+    assert tried.startswith("-") and "++-" in tried and "-+-" not in tried
+
+
 def test_a_convex_model_that_is_not_quite_convex_is_stiffened_until_it_serves():
     """Rounding of large entries leaves it negative by more than what is added first."""
 

@@ -75,7 +75,7 @@ def test_the_axis_that_the_lattice_prefers() -> None:
         assert found.is_minimum
 
 
-def test_a_straight_compressed_strip_is_a_saddle_and_is_left() -> None:
+def test_a_straight_compressed_strip_is_a_saddle_and_is_left(monkeypatch: pytest.MonkeyPatch) -> None:
     """Compressed between clamps: the straight state is stationary but unstable."""
     mesh = rectangle(8, 2, 10.0, 2.0)
     clamps = [
@@ -86,21 +86,34 @@ def test_a_straight_compressed_strip_is_a_saddle_and_is_left() -> None:
     factor = shell.factor()
     flat = mixed_newton(shell, shell.flat, factor, 1e-11 * shell.force_scale)
     assert flat.converged and height(shell, flat.state) < 1e-9
-    left_alone = find_minimum(
-        shell,
-        flat.state,
-        factor,
-        1e-11 * shell.force_scale,
-        lambda x: mixed_newton(shell, x, factor, 1.0),
-        0.1,
-        max_saddles=0,
-    )
+    with monkeypatch.context() as patch:
+        patch.setattr("asterism.equilibrium.newton.find_minimum.MAX_SADDLES", 0)
+        left_alone = find_minimum(
+            shell, flat.state, factor, 1e-11 * shell.force_scale, lambda x: mixed_newton(shell, x, factor, 1.0), 0.1
+        )
     assert left_alone.converged and not left_alone.definite and not left_alone.is_minimum
     assert left_alone.lowest is not None and left_alone.lowest.value < 0.0
     found = follow(shell, flat.state, factor)
     assert found.is_minimum and found.saddles_left >= 1
     assert height(shell, found.x) > 0.05
     assert found.energy < left_alone.energy
+
+
+def test_a_guess_that_falls_below_a_minimum_is_continued(monkeypatch: pytest.MonkeyPatch) -> None:
+    shell = Shell(Argyris(hexagon(1)), FIELDS["dome"])
+    guesses = [SimpleShape("cap", -2e-3), SimpleShape("flat")]  # the cap is on the wrong side, and stays there
+    lowest = relax(shell).energy
+    monkeypatch.setattr(search, "CLOSE_GUESS", 10.0)
+    for enough in (search.MAX_FURTHER_ITERATIONS, 3):
+        monkeypatch.setattr(search, "MAX_FURTHER_ITERATIONS", enough)
+        found = relax(shell, shapes=guesses)
+        assert found.is_minimum and found.guess == "flat"
+        assert found.energy == pytest.approx(lowest)
+        assert found.trials[0].is_minimum and found.trials[0].energy > 2.0 * lowest
+    assert [trial.is_minimum for trial in found.trials] == [True, False, True]
+    # a guess above the minimum is not continued
+    monkeypatch.setattr(search, "MAX_FURTHER_ITERATIONS", 0)
+    assert [trial.is_minimum for trial in relax(shell, shapes=guesses).trials] == [True, False]
 
 
 def test_states_that_are_not_converged_get_no_certificate() -> None:

@@ -44,14 +44,13 @@ def test_a_hanging_strip_is_free_to_rotate_about_the_vertical_only() -> None:
     assert np.allclose(tip, [[0.0, 0.0, -10.0]], atol=1e-2)
 
 
-def test_a_standing_strip_is_a_saddle() -> None:
+def test_a_standing_strip_is_a_saddle(monkeypatch: pytest.MonkeyPatch) -> None:
     """Both swings have a negative stiffness, which comes from gravity alone."""
     shell = pendulum()
     factor, tolerance = shell.factor(), 1e-11 * shell.force_scale
     start = upright(shell, -1.0)
-    standing = find_minimum(
-        shell, start, factor, tolerance, lambda x: mixed_newton(shell, x, factor, tolerance), 0.1, max_saddles=0
-    )
+    monkeypatch.setattr("asterism.equilibrium.newton.find_minimum.MAX_SADDLES", 0)
+    standing = find_minimum(shell, start, factor, tolerance, lambda x: mixed_newton(shell, x, factor, tolerance), 0.1)
     assert standing.converged and not standing.definite and not standing.is_minimum
     assert standing.lowest is not None and standing.lowest.value < 0.0
 

@@ -39,6 +39,15 @@ def test_both_ways_end_at_the_same_tube(length: float, thickness: float) -> None
     assert sum(tube.iterations for tube in helped.tubes) <= sum(tube.iterations for tube in alone.tubes)
 
 
+def test_the_short_way_skips_the_steps_between() -> None:
+    """It goes from the first small curvature to where the other direction's natural one was."""
+    cell, flat = relaxed(7.0, 0.3)
+    first = trace_tubes(cell, flat, 0.0)
+    alone, helped = trace_tubes(cell, flat, OTHER), trace_tubes(cell, flat, OTHER, first)
+    assert len(helped.tubes) < len(alone.tubes)
+    assert np.diff([tube.curvature for tube in helped.tubes]).max() > 0.7 * _natural(first).curvature
+
+
 def test_a_tight_tube_is_no_guide() -> None:
     """Tight curls differ from direction to direction, and may be on another branch: the long way is taken."""
     cell, flat = relaxed(10.0, 0.2)

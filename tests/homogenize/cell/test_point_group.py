@@ -131,6 +131,16 @@ def test_a_flat_cell_that_bends_to_a_saddle_gets_the_symmetry_back() -> None:
     np.testing.assert_allclose(metric, metric[0, 0] * np.eye(2), atol=1e-12)
 
 
+@pytest.mark.slow
+def test_a_cell_that_keeps_its_symmetry_keeps_its_digits(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The paper's star, three arms on a triangular lattice."""
+    star = design(8.0)
+    found = solve_cell(star, EDGE).to_dict()
+    monkeypatch.setattr("asterism.homogenize.cell.sample.symmetric_responses", lambda responses, *_: responses)
+    plain = solve_cell(star, EDGE).to_dict()
+    np.testing.assert_equal(found, plain)
+
+
 def test_equal_directions_get_the_responses_of_lowest_energy() -> None:
     """Those at 120 and 150 degrees here, as a star that broke the symmetry would have them."""
     kappa = np.array([0.1, -0.02, -0.02, 0.1, 0.09, 0.08])

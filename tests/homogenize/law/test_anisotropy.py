@@ -23,6 +23,7 @@ from asterism.homogenize.law.anisotropy import (
     anisotropy_size,
     isotropic_constants,
     isotropic_plane,
+    mean_q12,
     natural_curvatures,
     sample_anisotropy,
     voigt_matrices,
@@ -133,6 +134,22 @@ def turned(angle: float) -> Floats:
     """(3, 3) that takes a Voigt curvature (11, 22, 2 x 12) to axes that are turned by an angle, rad."""
     c, s = np.cos(angle), np.sin(angle)
     return np.array([[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]])
+
+
+@pytest.mark.parametrize("steps", [1, 2, 4])
+def test_a_print_that_is_turned_has_the_same_tensors_turned(steps: int) -> None:
+    """What no tube says, the cost of Gaussian curvature, is the same in all axes."""
+    kappa, stiff = [0.03, 0.045, 0.02, 0.012, 0.05, 0.04], [1.2, 0.7, 1.5, 2.0, 0.6, 0.9]
+    cell = sample(ISOTROPIC_PLATE, 0.03 * SPHERICAL)
+    q, m = tensors(cell | {"natural_curvature": kappa, "bending": stiff})
+    own, moment = tensors(
+        cell
+        | {name: list(np.roll(values, steps)) for name, values in (("natural_curvature", kappa), ("bending", stiff))}
+    )
+    turn = turned(steps * np.pi / 6)
+    np.testing.assert_allclose(own, turn.T @ q @ turn, atol=1e-5 * np.abs(q).max())
+    np.testing.assert_allclose(moment, turn.T @ m, atol=1e-5 * np.abs(m).max())
+    assert mean_q12(own) == pytest.approx(mean_q12(q), abs=1e-6)
 
 
 def test_curvatures_count_per_length_of_the_evenly_contracted_sheet() -> None:

@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from asterism.homogenize.campaign.campaign import SampleRecord
-from asterism.homogenize.campaign.fit_law import fit_law, held_out_errors, sample_quantities
+from asterism.homogenize.campaign.fit_law import fill_failed_rows, fit_law, held_out_errors, sample_quantities
 from asterism.homogenize.campaign.kept_samples import attempt
 from asterism.homogenize.errors import CampaignError, ForeignLaw, LawError
 from asterism.homogenize.law.hermite_grid import HermiteGrid
@@ -203,6 +203,18 @@ def test_a_single_cell_without_an_answer_is_bridged_along_its_line() -> None:
     values, known = (t(5.5, 0.32, 1.0) for t in (table, LAW.at(1.35)))
     assert values.inside.all()
     assert values.value["kappa"] == pytest.approx(known.value["kappa"], rel=0.02)
+
+
+def test_beyond_the_last_answer_rows_go_on_in_a_straight_line() -> None:
+    """Shorter arms that have none lie between two that do."""
+    lengths = np.array([0.0, 1.0, 2.0, 4.0, 5.0, 6.0])
+    stored = np.stack([lengths**2, -3.0 * lengths], axis=-1)[:, None, None]
+    good = np.array([True, True, False, True, False, False])[:, None, None]
+    coordinates = [lengths, np.zeros(1), np.zeros(1)]
+    whole = fill_failed_rows(coordinates, np.where(good[..., None], stored, np.nan))[:, 0, 0]
+    np.testing.assert_array_equal(whole[[0, 1, 3]], stored[[0, 1, 3], 0, 0])
+    np.testing.assert_allclose(whole[4:], [[21.0, -15.0], [26.0, -18.0]], rtol=1e-13)
+    assert 1.0 < whole[2, 0] < 16.0 and whole[2, 1] == pytest.approx(-6.0)
 
 
 def test_sheets_that_hardly_curl_have_no_sixfold_part() -> None:

@@ -341,3 +341,11 @@ def test_the_spacing_is_the_shorter_of_the_steps():
             stars={"length_mm": 5}, lattice={"kind": "custom", "vectors_mm": steps}, border={"rectangle_mm": [70, 70]}
         )
         assert sheet.spacing_mm == pytest.approx(14.0)
+
+
+@pytest.mark.parametrize("way", [1, -1])
+def test_borders_run_counterclockwise_whichever_way_they_are_drawn(way):
+    corners = [[-40, -30], [45, -35], [30, 40]]
+    sheet = lay(border={"polygon_mm": corners[::way]})
+    assert Polygon(sheet.outline).exterior.is_ccw
+    assert {*map(tuple, sheet.outline)} == {*map(tuple, corners)}

@@ -92,6 +92,12 @@ def test_equilateral_without_reason_to_differ():
     assert np.allclose(triangle_angles(mesh.points, mesh.triangles[inner]), 60, atol=0.2)
 
 
+def test_deterministic():
+    one, two = (aligned_mesh(stars_on(SLANTED, 9.0), 2.0) for _ in range(2))
+    assert np.array_equal(one.points, two.points)
+    assert np.array_equal(one.triangles, two.triangles)
+
+
 def test_varying_lengths():
     lengths = np.interp(np.linalg.norm(rings(2).centres, axis=1), [0, 35], [11.0, 4.0])
     sound(rings(2, lengths), 1.6, 40)

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.planar import triangle_angles, triangle_areas
 from asterism.pattern.mesh.triangulate import triangulate
+from tests.pattern.layouts import unit
 
 SQUARE = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=float)
 LOOP = np.array([[0, 1], [1, 2], [2, 3], [3, 0]])
@@ -160,3 +161,18 @@ def test_any_input(points, segments, framed, angle, area, holes):
     assert areas.min() > 0
     if framed and not holes:
         assert areas.sum() == pytest.approx(36)
+
+
+@settings(max_examples=100)
+@given(st.lists(st.floats(0.05, 1), min_size=3, max_size=30), st.sampled_from([None, 20, 30]))
+def test_star_polygons(radii, angle):
+    polygon = np.array(radii)[:, None] * unit([360.0 * q / len(radii) for q in range(len(radii))])
+    polygon = polygon @ np.array([unit(7.0), unit(97.0)])
+    try:
+        mesh, triangles = triangulate(polygon, loop(len(polygon)), min_angle_deg=angle)
+    except MeshError:
+        # three points leave no room for an inside around the origin, and large angles pass it
+        return
+    closed = np.roll(polygon, -1, axis=0)
+    total = 0.5 * (polygon[:, 0] * closed[:, 1] - polygon[:, 1] * closed[:, 0]).sum()
+    assert triangle_areas(mesh, triangles).sum() == pytest.approx(total)
