@@ -247,6 +247,7 @@ BAD = [
     ([("mesh.kind", "quad")], "mesh.kind", "'auto'"),
     ([("mesh.seed", -1)], "mesh.seed", "at least 0"),
     ([("solver.start", "up")], "solver.start", "'bump' or 'flat'"),
+    ([("solver.contact", "sometimes")], "solver.contact", "true or false"),
     ([("units", "inch")], "units", '"mm"'),
     ([("units", 1)], "units", "text"),
     ([("name", "")], "name", "at least 1"),

@@ -397,6 +397,7 @@ def test_warnings_name_stars_by_the_numbers_of_the_design() -> None:
     odd = [{"star": 0, "remove": True}, {"star": 5, "thickness_mm": 0.9}]
     shape = Preview(design(stars={"override": odd}), plain_law()).shape()
     assert shape.summary["stars_outside_law"][0].startswith("star 5 at [")
+    assert shape.summary["stars_outside_law"][0] in shape.summary["warnings"] and not shape.summary["law_in_range"]
     assert shape.star.max() == len(shape.star_vertices) and 0 not in shape.star[shape.star_vertices]
     down = Preview(design(stars={"override": [odd[0], {"star": 3, "branch": "down"}]}), plain_law()).shape()
     assert any("inverted" in line and line.endswith(": star 3") for line in down.summary["warnings"])
