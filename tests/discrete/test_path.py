@@ -87,6 +87,32 @@ def test_an_unstable_state_is_left_along_its_negative_mode() -> None:
     np.testing.assert_allclose(again.state.positions, found.state.positions, atol=1e-6)
 
 
+def test_invalid_starts_are_refused() -> None:
+    with pytest.raises(ValueError, match="must be of 1 stars, not 2"):
+        solve_on_mesh(model(rings=0), ReleaseStart(branch=(1, -1)))
+    with pytest.raises(ValueError, match="must be one of none, roll, dome, saddle"):
+        ReleaseStart(bend="rol")  # type: ignore[arg-type]
+    with pytest.raises(ValueError, match="a bend needs one above 0"):
+        ReleaseStart(bend="roll")
+    with pytest.raises(ValueError, match="1 up, -1 down or 0 free"):
+        ReleaseStart(branch=(2,))
+
+
+@pytest.mark.parametrize(
+    ("releases", "said"),
+    [
+        ((0.3,), "the last must be 1"),
+        ((), "the last must be 1"),
+        ((float("nan"), 1.0), "must grow from 0"),
+        ((-5.0, 1.0), "must grow from 0"),
+        ((0.8, 0.3, 1.0), "must grow from 0"),
+    ],
+)
+def test_releases_must_grow_to_one(releases: tuple[float, ...], said: str) -> None:
+    with pytest.raises(ValueError, match=said):
+        ReleaseStart(releases=releases)
+
+
 def test_an_interrupted_release_leaves_the_model_released() -> None:
     m = model(rings=0)
     state, energy = m.flat_state(), m.energy(m.flat_state())
