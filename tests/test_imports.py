@@ -85,6 +85,7 @@ def test_there_is_something_to_check() -> None:
     assert len(TEXTS) > len(SOURCES)
 
 
+@pytest.mark.slow
 def test_imports_name_their_package() -> None:
     assert not [(name(file), module) for file in SOURCES for module in imports(file) if module.startswith(".")]
 
@@ -118,6 +119,7 @@ def installed() -> Mapping[str, list[str]]:
     return {**packages_distributions(), **known}
 
 
+@pytest.mark.slow
 def test_every_package_used_is_a_dependency_in_pyproject() -> None:
     homes, missing = installed(), []
     for file in SOURCES:
@@ -128,6 +130,7 @@ def test_every_package_used_is_a_dependency_in_pyproject() -> None:
     assert not missing
 
 
+@pytest.mark.slow
 def test_a_preview_runs_without_the_exact_model(tmp_path: Path) -> None:
     """What they are compared by must not come from code that both have."""
     (tmp_path / "star.toml").write_text("[stars]\nlength_mm = 9\n[border]\nrings = 0\n")

@@ -131,6 +131,7 @@ def _slow(code: str) -> Any:
     return pytest.mark.slow if any(call in code for call in LONG_CALLS) else ()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("page", "block"),
     [pytest.param(page, block, marks=_slow(block), id=f"{page.name}-{i}") for i, (page, block) in enumerate(PYTHON)],
@@ -146,6 +147,7 @@ def test_python_in_the_text_runs(page: Path, block: str, tmp_path: Path, monkeyp
     exec(compile(block, page.name, "exec"), {})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "script", [pytest.param(file, marks=_slow(file.read_text(encoding="utf-8")), id=file.stem) for file in EXAMPLES]
 )

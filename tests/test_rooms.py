@@ -80,6 +80,7 @@ def reached(module: str) -> set[str]:
     return seen
 
 
+@pytest.mark.slow
 def test_no_import_leads_back() -> None:
     assert [module for module in FILES if module in reached(module)] == []
 

@@ -36,6 +36,7 @@ def test_print_holds_no_energy_in_its_joints() -> None:
         BONDED.set_release(1.0)
 
 
+@pytest.mark.slow
 def test_bonded_stars_have_another_shape_than_hinged_ones() -> None:
     """Bonds only add energy: at the same state, and at the minimum."""
     hinged = DiscreteModel(DESIGN, replace(LAYOUT, meeting_mm=0.0), MESH)

@@ -145,6 +145,7 @@ def test_released_free_fabric_takes_its_rest_size(incompressible):
     np.testing.assert_allclose(found, np.linalg.norm(printed[i] - printed[j], axis=1) / stretch, rtol=1e-7)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("mesh", MESHES)
 @pytest.mark.parametrize("incompressible", [False, True])
 def test_release_ends_where_the_energy_is_only_rounding(mesh, incompressible):

@@ -104,6 +104,7 @@ def test_a_solid_layer_of_lines_rolls_as_timoshenkos_bilayer_of_the_modulus_alon
     assert 0.97 < curvature / expected < 1.0
 
 
+@pytest.mark.slow
 def test_a_sheet_turns_and_mirrors_with_its_grain() -> None:
     """Seven stars have a third of a turn and mirrors: sheets of 20, 140 and 160 degrees are images of each other."""
     star = {"stars": {"length_mm": 10.0, "thickness_mm": 0.4}, "border": {"rings": 1}, "mesh": {"edge_mm": 4.0}}

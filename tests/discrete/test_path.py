@@ -19,6 +19,7 @@ def model(edge: float = 4.0, rings: int = 1, **changes: object) -> DiscreteModel
     return model_of(data | changes, edge)
 
 
+@pytest.mark.slow
 def test_pins_after_release_reach_their_targets() -> None:
     later = model(pins=[{"where": "border", "scale": 0.8, "step": 1}])
     found = solve_on_mesh(later)
@@ -33,6 +34,7 @@ def test_pins_after_release_reach_their_targets() -> None:
     assert found.path[9].energy_n_mm < found.energy
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pins", [{"where": "corners", "scale": 0.75}, {"corners": [0, 3], "scale": 0.8}])
 def test_pinned_corners_lead_to_the_same_shape_before_and_after_release(pins: dict) -> None:
     at_once, later = solve_on_mesh(model(pins=[pins])), solve_on_mesh(model(pins=[pins | {"step": 1}]))
@@ -48,6 +50,7 @@ def test_a_border_pinned_after_release_keeps_its_waves() -> None:
     assert later.energy > at_once.energy + 1.0
 
 
+@pytest.mark.slow
 def test_a_second_run_gives_the_same_and_the_model_is_unchanged() -> None:
     m = model(pins=[{"corners": [0, 3], "step": 2}, {"corners": [1], "slide": "z"}])
     printed = m.constraints.printed.copy()

@@ -35,6 +35,7 @@ def assert_similar(one: Equilibrium, other: Equilibrium, size: float, stiff: flo
     assert apart == pytest.approx(size * np.linalg.norm(np.diff(one.state.positions, axis=0), axis=1), rel=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size, stiff", [(5.0, 1.0), (0.3, 1e3)])
 @pytest.mark.parametrize("branch", ["up", "down"])
 def test_stars_of_every_size_take_the_side_of_their_branch(branch: str, size: float, stiff: float) -> None:
@@ -43,6 +44,7 @@ def test_stars_of_every_size_take_the_side_of_their_branch(branch: str, size: fl
     assert_similar(one, other, size, stiff)
 
 
+@pytest.mark.slow
 def test_other_starts_of_similar_sheets_end_in_similar_shapes() -> None:
     small, large = (solve_on_mesh(model(size, thickness=0.4, rings=1), BENT) for size in (0.5, 4.0))
     assert_similar(small, large, 8.0)

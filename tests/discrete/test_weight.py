@@ -44,6 +44,7 @@ def test_the_weight_has_the_direction_of_gravity() -> None:
     np.testing.assert_allclose(total, 1.62 * mass(len(m.layout.centres)) * np.array([0.6, 0.0, -0.8]), rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_the_supports_carry_the_weight() -> None:
     """At equilibrium the reactions at the held vertices balance the weight."""
     m = model()
@@ -54,6 +55,7 @@ def test_the_supports_carry_the_weight() -> None:
     assert carried == pytest.approx(GRAVITY * mass(len(m.layout.centres)), rel=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("slide", [None, "plane"])
 def test_the_energy_does_not_depend_on_the_place_of_the_pins(slide: str | None) -> None:
     """The potential of the weight counts from the supports: a table that is higher by 1 m changes no energy."""
@@ -102,6 +104,7 @@ def test_a_sheet_on_one_needle_hangs_below_it_or_is_no_equilibrium(modulus: floa
     assert not above.is_minimum or middle[2] > 1.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("modulus", [7.1875, pytest.param(1e4, marks=pytest.mark.slow)])
 def test_a_sheet_on_two_needles_hangs_below_them_or_is_no_equilibrium(modulus: float) -> None:
     found, middle, (first, second) = hung(modulus, {"corners": [0, 1]})

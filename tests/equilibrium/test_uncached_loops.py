@@ -64,6 +64,7 @@ def test_on_a_full_disk(module: str, monkeypatch: pytest.MonkeyPatch) -> None:
     assert tried and compiled.uncached == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("ending", "kept_bytes"), [(".nbi", 0), (".nbi", 40), (".nbc", 1000)])
 def test_from_damaged_files(
     ending: str, kept_bytes: int, module: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -40,6 +40,7 @@ def test_elements_with_two_images_of_one_point() -> None:
     np.testing.assert_allclose(found, whole, atol=1e-11 * np.abs(whole).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("lattice", [{"arms": 5}, {"arms": 8, "kind": "square"}, {"orientation_deg": 20}])
 def test_without_arms_it_is_the_fabric(lattice: dict[str, Any]) -> None:
     """Also next to the points where arms would be: those of short ones stay in the mesh."""
@@ -51,6 +52,7 @@ def test_without_arms_it_is_the_fabric(lattice: dict[str, Any]) -> None:
     assert 0.0 < short - bare.lam < 0.01
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("length", "lattice"), [(7.0, {"arms": 5}), (6.0, {"arms": 8, "kind": "square"}),
                                                  (10.0, {"orientation_deg": 10})])  # fmt: skip
 def test_stars_in_any_direction_have_equilibria(length: float, lattice: dict[str, Any]) -> None:

@@ -40,6 +40,7 @@ def test_membrane_of_hardly_curved_tubes_is_that_of_the_flat_cell(length: float,
     np.testing.assert_allclose(found, expected.stiffness[:3, :3], atol=1e-4 * found.max() + 1e-3 * moment)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pattern", [grid(), diamonds(), waves()], ids=["grid", "diamonds", "waves"])
 def test_membrane_of_hardly_curved_tubes_of_motifs_is_that_of_the_flat_cell(pattern: Pattern) -> None:
     cell = UnitCell(motif_design(pattern), 2.5)

@@ -24,6 +24,7 @@ def flat(size: float, stiff: float) -> FlatCell:
     return relax_flat_cell(UnitCell(Design.from_dict(data), EDGE * size))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("size, stiff", [(8.0, 1.0), (1.0, 1e4), (0.3, 1e-3)])
 def test_a_cell_of_every_size_and_stiffness_is_the_paper_s(size: float, stiff: float) -> None:
     one, other = flat(1.0, 1.0), flat(size, stiff)

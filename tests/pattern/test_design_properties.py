@@ -30,6 +30,7 @@ PLACES = [
 ] + [*Design.model_fields]
 
 
+@pytest.mark.slow
 @given(st.lists(st.tuples(st.sampled_from(PLACES), values), max_size=3))
 @example([("pins", [{"where": "border", "target_mm": [1, [2]]}])])
 @example([("pins", [{"corners": [0], "target_mm": []}])])
@@ -47,6 +48,7 @@ def test_garbage_is_refused_or_laid_out(changes):
         assert str(error).isprintable()
 
 
+@pytest.mark.slow
 @given(values)
 @settings(max_examples=100)
 def test_anything_is_refused(data):
@@ -90,6 +92,7 @@ good_designs = st.fixed_dictionaries(
 )
 
 
+@pytest.mark.slow
 @given(good_designs, st.sampled_from(["toml", "json"]))
 @settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_round_trip(tmp_path, data, suffix):

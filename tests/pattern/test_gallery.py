@@ -23,6 +23,7 @@ def test_figures_are_there():
     assert wanted <= set(gallery.names())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", gallery.names())
 def test_design(name, tmp_path):
     design = gallery.load(name)
@@ -51,6 +52,7 @@ def test_unknown_name():
         gallery.load("tub")
 
 
+@pytest.mark.slow
 def test_reading_a_design_imports_nothing_slow():
     check = (
         "import sys; from asterism.pattern import gallery; gallery.load('dome'); "
@@ -65,6 +67,7 @@ def test_drawn_patterns_are_there():
     assert not set(gallery.pattern_names()) & {*gallery.names(), *gallery.template_names()}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", gallery.pattern_names())
 def test_drawn_pattern(name, tmp_path):
     design = gallery.load(name)

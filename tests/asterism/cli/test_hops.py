@@ -35,6 +35,7 @@ def test_mistakes_are_one_line(tmp_path: Path, capsys, monkeypatch):
     assert refused.status == 2 and str(port) in refused.line and "in use" in refused.line
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform == "win32", reason="sends the signal of Ctrl-C")
 def test_it_serves_and_ends_at_ctrl_c(tmp_path: Path):
     words = [sys.executable, "-m", "asterism", "hops", "--port", "0"]

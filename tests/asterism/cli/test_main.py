@@ -41,6 +41,7 @@ def mistake(result: subprocess.CompletedProcess[str]) -> str:
     return lines[0]
 
 
+@pytest.mark.slow
 def test_new_lists_and_writes(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -62,6 +63,7 @@ def test_new_lists_and_writes(
         assert refused.status == 2 and expected in refused.line
 
 
+@pytest.mark.slow
 def test_simulate_writes_results_and_a_table(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -76,6 +78,7 @@ def test_simulate_writes_results_and_a_table(
     assert "asks for" not in result.err
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("blank_pictures")
 @pytest.mark.parametrize("name", ["preview", "simulate", "verify"])
 def test_a_quiet_command_prints_its_result_and_no_progress(
@@ -87,6 +90,7 @@ def test_a_quiet_command_prints_its_result_and_no_progress(
     assert all(line.startswith("asterism: ") for line in done.err.splitlines())
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("blank_pictures")
 def test_stars_that_do_not_stay_where_they_were_sent_are_named(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
@@ -178,6 +182,7 @@ def test_a_sheet_that_would_fall_is_named_by_its_file(
     assert [file.name for file in tmp_path.iterdir()] == ["d.toml"]
 
 
+@pytest.mark.slow
 def test_a_mistake_in_a_design_is_all_that_a_program_prints(tmp_path: Path) -> None:
     """Whatever it loads before."""
     (tmp_path / "d.toml").write_text(SMALL)
@@ -185,6 +190,7 @@ def test_a_mistake_in_a_design_is_all_that_a_program_prints(tmp_path: Path) -> N
     assert [file.name for file in tmp_path.iterdir()] == ["d.toml"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)])
 def test_interrupt_leaves_nothing(number: int, tmp_path: Path) -> None:
     (tmp_path / "d.toml").write_text(SMALL.replace("rings = 0", "rings = 3").replace("4.0", "1.5"))
@@ -217,6 +223,7 @@ CHANGED = f"""try:
                 raise RuntimeError from None"""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("package", "how"),
     [("typer", RAISED), ("asterism.equilibrium.errors", RAISED), ("scipy", CHANGED)],

@@ -91,6 +91,7 @@ def until(page: ClientConnection, kind: str) -> dict:
             return json.loads(message)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["SIGINT", "SIGHUP"])
 def test_it_serves_its_page_and_keeps_unsaved_work_at_its_end(
     name: str, running: tuple[subprocess.Popen[str], str], folder: Path

@@ -22,6 +22,7 @@ edge_mm = 3.5
 """
 
 
+@pytest.mark.slow
 def test_verify_writes_a_report_and_a_table(tmp_path: Path) -> None:
     (tmp_path / "d.toml").write_text(SEVEN)
     (tmp_path / "law.npz").write_bytes(law_bytes(plain_law()))

@@ -37,6 +37,7 @@ def rough(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("asterism.draw.render.SUPERSAMPLING", 1)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("rough")
 @pytest.mark.parametrize("place", [sheets.flat, sheets.dome, sheets.tube, sheets.saddle])
 def test_every_shape_gives_a_full_picture_on_white(place) -> None:  # type: ignore[no-untyped-def]

@@ -77,12 +77,14 @@ def test_forces_are_proportional_to_the_moduli() -> None:
         assert two[name] == pytest.approx(2.0 * one[name], rel=1e-5)
 
 
+@pytest.mark.slow
 def test_forces_converge_with_the_mesh() -> None:
     coarse, fine = star(2.4), star(1.2)
     for name in ("peel_n_per_mm", "shear_n_per_mm"):
         assert coarse[name] == pytest.approx(fine[name], rel=0.05)
 
 
+@pytest.mark.slow
 def test_the_bond_is_drawn_where_its_forces_are_known(tmp_path: Path) -> None:
     known, unknown = star_shape(3.0, modulus_mpa=2.0), star_shape(3.0)
     assert "bond.png" in write_results(known, tmp_path / "known")

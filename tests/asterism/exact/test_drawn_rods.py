@@ -34,6 +34,7 @@ def design(tmp_path: Path) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_simulate_writes_a_certified_shape(design: Path, capsys, monkeypatch) -> None:
     done = command(["simulate", str(design), "--quiet"], capsys, monkeypatch)
     assert done.status == 0, done.err
@@ -59,6 +60,7 @@ def test_several_starts_are_compared_along_the_rods(design: Path) -> None:
     assert shape.summary["minima"][0]["distance_percent"] == pytest.approx(0.0, abs=1e-9)
 
 
+@pytest.mark.slow
 def test_parallel_lines_roll_contract_and_count_their_mirror_images_once() -> None:
     lines = [{"line_mm": [(-20, y), (20, y)]} for y in range(-20, 21, 4)]
     data = {"rods": {"draw": lines}, "border": {"rectangle_mm": (42.0, 42.0)}, "mesh": {"edge_mm": 4.0}}
@@ -69,6 +71,7 @@ def test_parallel_lines_roll_contract_and_count_their_mirror_images_once() -> No
     assert 0.75 < summary.contraction < 0.9  # across the lines about 0.67, along them 1
 
 
+@pytest.mark.slow
 def test_a_sheet_with_a_hole_is_certified_and_softer(design: Path) -> None:
     text = RING + "[[border.holes]]\ncircle_mm = { centre = [0, 9], radius = 5 }\n"
     whole = asterism.simulate(asterism.load_design(design))

@@ -37,6 +37,7 @@ def shape() -> Shape:
     return exact_shape(small(), starts=STARTS)
 
 
+@pytest.mark.slow
 def test_minima_of_the_summary(shape: Shape) -> None:
     s = shape.summary
     minima = s["minima"]
@@ -79,6 +80,7 @@ def test_every_minimum_has_its_files(shape: Shape, tmp_path) -> None:  # type: i
     assert sorted(file.name for file in (tmp_path / "out").iterdir()) == again
 
 
+@pytest.mark.slow
 def test_stars_that_snap_back_are_named() -> None:
     """Stiff stars cannot stay down next to others."""
     override = [{"star": 2, "branch": "down"}]
@@ -98,6 +100,7 @@ def test_pins_after_release_are_in_the_path() -> None:
     assert [step["step"] for step in s["path"]] == [0] * 10 + [1] * 6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "sections",
     [
@@ -121,6 +124,7 @@ def test_many_starts_with_other_options(sections: dict[str, object]) -> None:
     assert s["minima"][0]["stars_off_branch"] == 0
 
 
+@pytest.mark.slow
 def test_where_the_pins_stand_makes_no_difference_to_the_starts() -> None:
     """Three starts from bent sheets are taken along with their pins."""
     held = {"corners": [0, 2, 4], "scale": 0.8}

@@ -47,6 +47,7 @@ def is_mirror_image(shape: Shape, other: Shape) -> None:
     np.testing.assert_allclose(other.positions, MIRROR * shape.positions, atol=1e-6)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("data", [STARS, LINES], ids=["stars", "rods"])
 def test_the_exact_shape_with_plastic_below_is_the_mirror_image(data: dict[str, Any]) -> None:
     data = {**data, "mesh": {"edge_mm": 3.0}, "fabric": {"modulus_mpa": 1.0, "stretch": [1.35, 1.3]}}

@@ -57,6 +57,7 @@ def test_pinned_sheets_stay_where_the_pins_hold_them() -> None:
     assert shape.held and shape.summary["extent_mm"][2] == shape.summary["height_mm"]
 
 
+@pytest.mark.slow
 def test_weight_pulls_a_pinned_sheet_down() -> None:
     fabric = {"modulus_mpa": 1.0}
     corners = [{"where": "corners", "scale": 0.8}]
@@ -66,6 +67,7 @@ def test_weight_pulls_a_pinned_sheet_down() -> None:
     assert heavy.summary["gravity"] != 0.0
 
 
+@pytest.mark.slow
 def test_a_free_sheet_does_not_fall_before_it_is_pinned() -> None:
     """Nor does one that is never pinned: that is refused."""
     fabric, gravity = {"modulus_mpa": 0.5}, {"on": True}
@@ -77,6 +79,7 @@ def test_a_free_sheet_does_not_fall_before_it_is_pinned() -> None:
         exact_shape(small(fabric=fabric, gravity=gravity))
 
 
+@pytest.mark.slow
 def test_backends_agree() -> None:
     from asterism.equilibrium.linear.backends import available
 
@@ -84,6 +87,7 @@ def test_backends_agree() -> None:
     np.testing.assert_allclose(energies, energies[0], rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_starts_from_a_shape_of_the_design():
     """From its own shape on another mesh, it is back in the same minimum after a few iterations."""
     data = {"stars": {"length_mm": 8.0}, "border": {"rings": 1}}

@@ -63,6 +63,7 @@ def narrow() -> tuple[asterism.Shape, SpreadRecord]:
     return ranged(star(NARROW))
 
 
+@pytest.mark.slow
 def test_the_response_is_that_of_exact_shapes_of_changed_designs(narrow: tuple[asterism.Shape, SpreadRecord]) -> None:
     shape, record = narrow
     up = {share.value: share.heights_mm[1] - shape.height_mm for share in record.shares}
@@ -181,6 +182,7 @@ def test_what_is_no_exact_minimum_is_refused() -> None:
         spread(asterism.preview(gallery.load("star")))
 
 
+@pytest.mark.slow
 def test_the_command_writes_the_range_and_its_picture(tmp_path: Path, capsys, monkeypatch) -> None:
     design = tmp_path / "d.toml"
     text = "[stars]\nlength_mm = 10.0\n[border]\nrings = 0\n[mesh]\nedge_mm = 4.0\n"

@@ -21,6 +21,7 @@ IN_ONE_FOLDER = settings(
 )
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("broken", BROKEN_FILES, ids=[f"{one.name}: {one.problem}" for one in BROKEN_FILES])
 def test_the_command_ends_with_one_line(broken: BrokenTarget, tmp_path: Path, cli: Cli) -> None:
     path = tmp_path / broken.name
@@ -47,6 +48,7 @@ def refused_in_one_line(path: Path, **options: float | tuple[float, float]) -> b
 SOUND = {"dome.stl": meshed(dome(points=9)), "dome.png": png_bytes()}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", SOUND)
 @given(data=st.data())
 @IN_ONE_FOLDER
@@ -60,6 +62,7 @@ def test_damaged_files_are_refused_in_one_line(name: str, tmp_path: Path, data: 
     refused_in_one_line(path, **heights)
 
 
+@pytest.mark.slow
 @given(arrays(float, array_shapes(max_dims=3, max_side=9), elements=st.floats(allow_nan=True, width=32)))
 @IN_ONE_FOLDER
 def test_random_arrays_are_targets_or_refused_in_one_line(tmp_path: Path, heights: Floats) -> None:

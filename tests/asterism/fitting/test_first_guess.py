@@ -86,6 +86,7 @@ def test_a_number_of_needles_and_none() -> None:
     assert guess_design(target, paper_law(), FitSettings(needles=0)).design.pins == ()
 
 
+@pytest.mark.slow
 def test_what_is_out_of_reach_is_refused_with_numbers() -> None:
     with pytest.raises(ReachError, match=r"cap: contractions at \(.*\) mm .* ratio of 1\.84; available are 1\.\d\d at"):
         guess_design(cap(85.0), paper_law())

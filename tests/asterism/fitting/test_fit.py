@@ -53,6 +53,7 @@ def test_a_fresh_preview_confirms_the_distance(fitted: Fit, target: TargetSurfac
     assert np.sqrt((gaps**2).mean()) < 0.006 * target.diameter_mm
 
 
+@pytest.mark.slow
 def test_sizes_are_printable(fitted: Fit) -> None:
     rounding = fitted.design.stars.rounding
     assert rounding is not None
@@ -185,6 +186,7 @@ def test_an_interrupted_command_writes_the_best_design_until_then(number: int, t
     assert design.to_dict() == summary["design"] and design.stars.rounding is not None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("words", "problem"),
     [

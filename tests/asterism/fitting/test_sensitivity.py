@@ -24,6 +24,7 @@ def changed(design: asterism.Design, star: int, by: str, change: float) -> aster
     return with_painted_stars(design, plan.sites[star : star + 1], row)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("design", [FREE, HELD], ids=["free", "held"])
 @pytest.mark.parametrize(("by", "step"), [("length_mm", 0.01), ("thickness_mm", 0.0005), ("width_mm", 0.002)])
 def test_derivatives_are_differences_of_equilibria(design: asterism.Design, by: str, step: float):

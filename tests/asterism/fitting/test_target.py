@@ -138,6 +138,7 @@ def test_a_coarse_target_is_divided_without_a_change_of_its_shape() -> None:
     assert target.diameter_mm == pytest.approx(np.linalg.norm(corners[2] - corners[0]))
 
 
+@pytest.mark.slow
 def test_a_large_target_is_decimated_with_a_note() -> None:
     vertices, triangles = spherical_cap(35.0, rings=70)
     assert len(triangles) > MAX_TARGET_TRIANGLES

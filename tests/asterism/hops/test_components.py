@@ -42,6 +42,7 @@ def test_sites_are_those_of_a_design(client: TestClient):
     assert found["numbers"] == list(range(19))
 
 
+@pytest.mark.slow
 def test_a_sheet_is_the_preview_of_its_design(client: TestClient):
     sheet = component(client, "sheet")
     corners = hexagon(1)
@@ -83,6 +84,7 @@ def test_holes_material_and_needles(client: TestClient):
         component(client, "sheet").solve(outline=hexagon(1), lengths=6.0, needles=list(corners), targets=targets[0])
 
 
+@pytest.mark.slow
 def test_all_lengths_are_in_the_unit_of_the_document(client: TestClient):
     in_mm = component(client, "sheet").solve(outline=hexagon(1), lengths=7.0, widths=1.0, spacing=17.0)
     metres = {"outline": hexagon(1, 1000.0), "lengths": 0.007, "widths": 0.001, "spacing": 0.017}
@@ -126,6 +128,7 @@ def test_a_sheet_that_cannot_be_is_an_error_and_the_next_one_is_not(client: Test
     assert sheet.solve(outline=hexagon(1), lengths=7.0)["error"] > 0.0
 
 
+@pytest.mark.slow
 def test_rods_are_solved_exactly(client: TestClient):
     rods = [[(-12, 0, 0), (12, 0, 0)], [(8, -6, 0), (8, 6, 0), (-8, 6, 0), (-8, -6, 0), (8, -6, 0)]]
     found = component(client, "rods").solve(outline=hexagon(0), curves=rods, thicknesses=[0.3, 0.5], widths=1.0)
@@ -136,6 +139,7 @@ def test_rods_are_solved_exactly(client: TestClient):
         component(client, "rods").solve(outline=hexagon(0), curves=rods, widths=[1.0, 1.0, 1.0])
 
 
+@pytest.mark.slow
 def test_exact_shapes_come_with_certificate_and_other_forms(client: TestClient, folder: Path):
     # an outline that is symmetric to five decimals only, as drawings are
     design = component(client, "sheet").solve(outline=hexagon(1, rounded=5), lengths=9.0)["design"]
@@ -169,6 +173,7 @@ def test_other_forms_are_branches(client: TestClient):
     assert [type(other).__name__ for other in others] == ["Mesh"]
 
 
+@pytest.mark.slow
 def test_a_fit_comes_near_to_its_target_and_can_be_previewed(client: TestClient):
     found = component(client, "fit").solve(target=bowl())
     assert found["distance"] < 0.5 and len(found["lengths"]) == len(found["sites"]) == len(found["widths"])
@@ -176,6 +181,7 @@ def test_a_fit_comes_near_to_its_target_and_can_be_previewed(client: TestClient)
     assert asterism.Design.from_dict(tomllib.loads(found["design"])).pins
 
 
+@pytest.mark.slow
 def test_prints_are_written_below_the_folder_of_the_server(client: TestClient, folder: Path):
     design = component(client, "sheet").solve(outline=hexagon(1), lengths=7.0)["design"]
     paths = component(client, "print").solve(design=design, folder="jobs/one")["paths"]
@@ -185,6 +191,7 @@ def test_prints_are_written_below_the_folder_of_the_server(client: TestClient, f
             component(client, "print").solve(design=design, folder=name)
 
 
+@pytest.mark.slow
 def test_the_time_of_a_slider_is_reported(client: TestClient, record_property: Any, capsys: pytest.CaptureFixture[str]):
     sheet, seconds = component(client, "sheet"), []
     for number in range(12):

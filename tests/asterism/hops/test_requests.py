@@ -26,6 +26,7 @@ JSON = {"content-type": "application/json; charset=utf-8"}
 SHEET = json.loads((Path(__file__).parent / "requests" / "sheet.json").read_text(encoding="utf-8"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("path", RECORDED, ids=lambda path: path.stem)
 def test_recorded_requests_are_answered(client: TestClient, path: Path):
     pytest.importorskip("rhino3dm")
@@ -244,6 +245,7 @@ def at_once(work: Work, count: int) -> tuple[list[int], list[Any]]:
     return order, run_coroutine(all_of_them())
 
 
+@pytest.mark.slow
 def test_fifty_requests_at_once_are_answered_in_order(tmp_path: Path):
     order, answers = at_once(Work(tmp_path), 50)
     assert order == list(range(50)) and {answer.status_code for answer in answers} == {200}

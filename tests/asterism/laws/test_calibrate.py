@@ -51,6 +51,7 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_a_law_with_all_that_made_it(place: Path) -> None:
     law = load_law(place / "m.npz")
     assert law.made["command"] == "asterism calibrate m.toml" and law.made["cell_seconds"] > 0
@@ -80,6 +81,7 @@ def test_show_writes_a_picture_and_a_summary(place: Path, asterism: Asterism, mo
     assert summary["cells"] == 6 and summary["residuals"]["1.35"]["held_out"]["cells"]
 
 
+@pytest.mark.slow
 def test_the_law_that_comes_with_the_package(folder: Path, asterism: Asterism) -> None:
     shown = asterism(["law", "show"])
     assert shown.status == 0, shown.err
@@ -91,6 +93,7 @@ def test_the_law_that_comes_with_the_package(folder: Path, asterism: Asterism) -
         assert abs(values["lam"][0] * table.stretch - 1) < 1e-8 and values["kappa"][0] == 0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("words", "expected"),
     [

@@ -69,6 +69,7 @@ def test_another_material_is_part_of_the_law(place: Path, asterism: Asterism) ->
     assert load_law(place / "net-law-soft.npz").plan.design.plastic.modulus_ratio == 1000
 
 
+@pytest.mark.slow
 def test_show_prints_range_and_errors(place: Path, asterism: Asterism) -> None:
     asterism(["calibrate", "net.toml", "--jobs", "1"])
     shown = asterism(["law", "show", "net-law.npz"])

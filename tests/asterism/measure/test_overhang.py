@@ -81,6 +81,7 @@ def test_the_printed_page_holds_the_slope_and_the_last_step(tmp_path: Path) -> N
     assert "41.5 degrees at 1:1" in text and "asterism strips overhang overhangs.csv" in text
 
 
+@pytest.mark.slow
 def test_a_table_that_was_filled_in_stays(tmp_path: Path) -> None:
     table = filled(tmp_path, [50.0])
     before = table.read_bytes()
@@ -106,6 +107,7 @@ def test_wrong_tables_are_named(text: str, said: str, tmp_path: Path) -> None:
         read_overhangs(table)
 
 
+@pytest.mark.slow
 def test_the_command_writes_the_form_and_reads_it(tmp_path: Path, cli: Cli) -> None:
     done = cli(["strips", "overhang", "--form", str(tmp_path / "hung")])
     assert done.status == 0 and "overhangs.csv, overhangs.pdf" in done.out

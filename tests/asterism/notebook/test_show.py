@@ -186,6 +186,7 @@ def test_other_arguments_are_refused_in_one_line(preview: asterism.Preview) -> N
         asterism.show(preview.shape(), sliders=["length"])
 
 
+@pytest.mark.slow
 def test_without_anywidget_one_line_names_the_extra() -> None:
     program = (
         "import sys; sys.modules['anywidget'] = None\n"

@@ -115,6 +115,7 @@ def settled(page: Any) -> None:
     )
 
 
+@pytest.mark.slow
 def test_a_shape_is_drawn_with_its_arms_and_colours(page: Any, preview: asterism.Preview) -> None:
     show(page, shape_traits(preview.shape()))
     assert page.locator("canvas").first.bounding_box()["height"] == 300
@@ -203,6 +204,7 @@ def test_the_newest_of_waiting_requests_wins(page: Any, preview: asterism.Previe
     list(live.answer({"seq": 99, "values": {}, "is_dragging": True}))
 
 
+@pytest.mark.slow
 def test_a_refused_request_is_told_and_light_text_makes_it_dark(page: Any, preview: asterism.Preview) -> None:
     show(page, shape_traits(preview.shape()))
     colour = (

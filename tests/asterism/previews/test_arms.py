@@ -40,6 +40,7 @@ def test_arms_keep_their_length_where_the_sheet_shrinks() -> None:
     assert np.median(np.linalg.norm(other - one, axis=1) / plan.arm_length) == pytest.approx(1.0, abs=0.04)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("length", "off"), [(10.0, 0.28), (7.0, 0.18), (5.0, 0.26)])
 def test_fabric_beside_arms_follows_them_as_in_a_flat_cell(length: float, off: float) -> None:
     cell, flat = relaxed(length, 0.4, EDGE)

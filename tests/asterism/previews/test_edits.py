@@ -42,6 +42,7 @@ def break_off_while_it_settles(preview: Preview, design: Design, monkeypatch: py
             preview.update(design)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "key", "ends"),
     [
@@ -65,6 +66,7 @@ def test_who_drags_through_linear_responses_sees_a_sheet(name: str, key: str, en
     assert final.summary["is_minimum"]
 
 
+@pytest.mark.slow
 def test_an_edit_that_is_broken_off_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     preview = Preview(edited("dome"))
     before, height = preview.design, preview.shape().height_mm
@@ -191,6 +193,7 @@ def test_softness_is_that_of_the_sheet_after_an_edit_without_change_was_broken_o
     assert preview.shape().summary["soft_modes_n_mm3"] == pytest.approx(before, rel=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "change",
     [

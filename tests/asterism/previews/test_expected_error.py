@@ -15,6 +15,7 @@ FEW = {"stars": {"length_mm": 8.0, "thickness_mm": 0.3}, "border": {"rings": 1}}
 CORNERS = {"where": "corners", "scale": 0.8}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("sections", "expected"),
     [

@@ -29,6 +29,7 @@ EDITS: list[dict[str, Any]] = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["dome", "u-shape"])
 def test_places_are_those_of_a_new_look(name: str) -> None:
     preview = Preview(gallery.load(name))

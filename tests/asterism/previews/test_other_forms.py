@@ -22,6 +22,7 @@ def design(thickness: object) -> Design:
     return Design.from_dict({"name": "forms", "stars": stars, "border": {"rings": 3}})
 
 
+@pytest.mark.slow
 def test_a_sheet_that_changes_along_a_line_has_several_forms() -> None:
     skew = {"profile": "linear", "from": 0.35, "to": 0.2, "start_mm": [-34.0, -10.0], "end_mm": [34.0, 10.0]}
     preview = Preview(design(skew), plain_law())

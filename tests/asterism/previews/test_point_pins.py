@@ -129,6 +129,7 @@ def pinned(edge_mm: float = 2.0, **pins: object) -> Design:
     return Design.from_dict(data)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("angle", [70.0, 120.0, 165.0])
 def test_a_wedge_is_as_stiff_at_its_tip_as_the_exact_one(angle: float) -> None:
     exact_mm = 1.5
@@ -139,6 +140,7 @@ def test_a_wedge_is_as_stiff_at_its_tip_as_the_exact_one(angle: float) -> None:
     assert angle < 90.0 or plain > 1.15 * exact
 
 
+@pytest.mark.slow
 def test_the_numbers_are_those_of_the_model() -> None:
     at = ANGLES_DEG.index(120.0)
     lack, gain = measured(120.0)

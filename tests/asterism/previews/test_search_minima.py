@@ -61,6 +61,7 @@ def narrow_dome() -> Design:
     return Design.from_dict(data)
 
 
+@pytest.mark.slow
 def test_a_form_on_the_side_that_is_asked_for_is_shown_though_it_is_dearer() -> None:
     """A held dome would rather go up from its border; both are minima."""
     preview = Preview(narrow_dome())
@@ -131,6 +132,7 @@ def test_sheets_soft_in_two_ways_are_started_from_other_kinds(fields: Fields, so
     assert found.is_minimum and found.energy <= 1.02 * alone.energy
 
 
+@pytest.mark.slow
 def test_a_held_sheet_that_is_soft_in_two_ways_is_pushed_to_a_lower_form() -> None:
     """The roof on three corners: its free ones hang down, where a cap alone leads to a dearer form."""
     preview = Preview(gallery.load("doubly-curved"))
@@ -163,6 +165,7 @@ def test_a_tube_that_hardly_prefers_an_axis_settles_soon(thickness: float) -> No
     assert found.iterations <= 60
 
 
+@pytest.mark.slow
 def test_a_held_sheet_on_the_wrong_side_is_tried_from_flat(monkeypatch: pytest.MonkeyPatch) -> None:
     """Guesses may turn over on the way; a dome that hangs below its border costs more."""
     preview = Preview(narrow_dome())

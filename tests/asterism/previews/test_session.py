@@ -106,6 +106,7 @@ def test_summary_has_the_keys_of_a_simulation(curly: Preview) -> None:
     assert summary["design"] == CURLY.to_dict()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "stars", [{"thickness_mm": 0.27}, {"thickness_mm": 0.25, "override": [{"star": 0, "remove": True}]}]
 )
@@ -146,6 +147,7 @@ def test_softness_is_known_after_edits_and_pins_too(step: int, monkeypatch: pyte
     assert preview.shape().summary["soft_modes_n_mm3"] == after["soft_modes_n_mm3"] and len(asked) == count
 
 
+@pytest.mark.slow
 def test_the_linear_response_is_right_to_first_order() -> None:
     missed = []
     for change in (0.002, 0.001):
@@ -173,6 +175,7 @@ def test_an_edit_of_the_outline_starts_anew_and_a_refused_one_changes_nothing() 
     assert len(preview.sheet.layout.centres) == 19
 
 
+@pytest.mark.slow
 def test_a_dome_can_be_flipped() -> None:
     preview = Preview(gallery.load("dome"), plain_law())
     up = preview.at(np.zeros((1, 2))).smooth[0, 2]
@@ -185,6 +188,7 @@ def test_a_dome_can_be_flipped() -> None:
     assert preview.at([0.0, 0.0]).smooth[0, 2] == pytest.approx(up, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_a_sheet_without_another_side_stays_and_says_so() -> None:
     """The stars of a held bell keep it up."""
     bell = gallery.load("bell")
@@ -200,6 +204,7 @@ def test_a_sheet_without_another_side_stays_and_says_so() -> None:
     assert "go down" in line and "edges up" in line
 
 
+@pytest.mark.slow
 def test_a_sheet_that_goes_up_by_itself_is_flipped_down() -> None:
     """Its natural curvature is the other one; whatever side `auto` has found, a flip leaves it."""
     law = plain_law()
@@ -235,6 +240,7 @@ def test_a_held_border_is_where_it_is_held() -> None:
     assert places == pytest.approx(np.column_stack([0.74 * rim, np.zeros(len(rim))]), abs=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pin", [{"edges": [0, 1, 2, 3, 4, 5]}, {"points_mm": [[20.0, 0.0], [-10.0, 17.0]]}])
 def test_bumps_leave_what_is_held_in_its_place(pin: dict[str, Any]) -> None:
     stars = {"length_mm": 8.0, "thickness_mm": 0.3}
@@ -247,6 +253,7 @@ def test_bumps_leave_what_is_held_in_its_place(pin: dict[str, Any]) -> None:
     assert preview.shape().held
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("slide", "held"), [(None, [0, 1, 2]), ("z", [0, 1]), ("plane", [2])])
 def test_pins_hold_what_they_say(slide: str | None, held: list[int]) -> None:
     points = [[-50.0, 0.0], [50.0, 0.0], [0.0, 60.0]]
@@ -257,6 +264,7 @@ def test_pins_hold_what_they_say(slide: str | None, held: list[int]) -> None:
     assert preview.at(np.array(points)).smooth[:, held] == pytest.approx(target[:, held], abs=1e-9)
 
 
+@pytest.mark.slow
 def test_targets_and_later_steps() -> None:
     points, target = [[0.0, -60.0], [0.0, 60.0]], [[0.0, -40.0, 0.0], [0.0, 40.0, 5.0]]
     preview = Preview(design(pins=[{"points_mm": points, "target_mm": target, "step": 1}]), plain_law())
@@ -265,6 +273,7 @@ def test_targets_and_later_steps() -> None:
     assert preview.at(np.array(points)).smooth == pytest.approx(np.array(target), abs=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("turn", [("z", 180.0), ("x", 90.0), ("y", 150.0)])
 def test_pins_that_are_turned_in_space_turn_the_shape(turn: tuple[str, float]) -> None:
     """Stood upright or laid on its back: without weight the energy is the same."""
@@ -278,6 +287,7 @@ def test_pins_that_are_turned_in_space_turn_the_shape(turn: tuple[str, float]) -
     assert one.is_minimum and other.is_minimum and other.energy == pytest.approx(one.energy, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_what_nothing_holds_yet_does_not_fall() -> None:
     """Corners that slide on the ground from the beginning, and after the release."""
     energies = []
@@ -290,6 +300,7 @@ def test_what_nothing_holds_yet_does_not_fall() -> None:
     assert energies[1] == pytest.approx(energies[0], rel=1e-6)
 
 
+@pytest.mark.slow
 def test_a_sheet_that_swings_keeps_its_form() -> None:
     """Hung from a needle in its middle."""
     hung = {
@@ -341,6 +352,7 @@ def test_a_sheet_weighs_what_is_printed(border: dict[str, Any]) -> None:
     assert pulled == pytest.approx(-9.81 * (plastic + fabric), rel=2e-3)
 
 
+@pytest.mark.slow
 def test_an_interrupted_edit_is_not_gone_on_from(monkeypatch: pytest.MonkeyPatch) -> None:
     """Ctrl-C while later pins take hold: the next edit is as good as a new preview."""
     late = [{"where": "corners", "scale": 0.8, "step": 1}]
@@ -493,6 +505,7 @@ HINGED = [
 ]  # fmt: skip
 
 
+@pytest.mark.slow
 def test_flat_triangles_do_not_hide_what_holds_the_sheet() -> None:
     """One straight edge is held, on a mesh with needles: the sheet turns about it, and its soft modes do not know."""
     stars, pins = {"length_mm": 6.6, "thickness_mm": 0.5}, [{"edges": [0], "scale": 0.82}]
@@ -504,6 +517,7 @@ def test_flat_triangles_do_not_hide_what_holds_the_sheet() -> None:
     assert preview.equilibrium.soft_modes[0] > 1e-3 * preview.equilibrium.soft_modes[2]
 
 
+@pytest.mark.slow
 def test_only_ratios_of_stiffness_count() -> None:
     """Without weight the unit of force is free, at the bare rim too."""
     heights, energies = [], []
@@ -515,6 +529,7 @@ def test_only_ratios_of_stiffness_count() -> None:
     np.testing.assert_allclose(energies, energies[1], rtol=1e-9)
 
 
+@pytest.mark.slow
 def test_where_pins_stand_does_not_matter_to_a_heavy_sheet() -> None:
     """The work of weight is counted from the pins: what is compared, and the error to be expected, are the same."""
     found = []
@@ -527,6 +542,7 @@ def test_where_pins_stand_does_not_matter_to_a_heavy_sheet() -> None:
     assert len({tuple(start["name"] for start in s["starts"]) for s in found}) == 1
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("points", [[], 3.0, [[0.0, 0.0, 0.0]], [[np.nan, 0.0]]])
 def test_places_that_are_none_are_refused(points: object) -> None:
     with pytest.raises(ValueError, match="points must be finite pairs of mm"):
@@ -538,6 +554,7 @@ def test_a_state_of_another_sheet_is_refused() -> None:
         Preview(CURLY, plain_law()).at([0.0, 0.0], np.zeros((3, 3)))
 
 
+@pytest.mark.slow
 def test_a_roll_that_passes_through_itself_says_so() -> None:
     """`fig8-l-increasing` rolls up further than round; `tube` does not."""
     through, open_ = (Preview(gallery.load(name)).shape().summary for name in ("fig8-l-increasing", "tube"))
@@ -555,6 +572,7 @@ def test_stars_turned_by_half_a_turn_make_the_sheet_turned_by_it() -> None:
     np.testing.assert_allclose(*distances, atol=0.02)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "pins", [{"points_mm": [[0.0, 0.0]]}, {"corners": [0]}, {"corners": [0, 2, 4], "slide": "plane"}]
 )
@@ -594,6 +612,7 @@ def test_an_update_is_an_edit_to_its_end() -> None:
     assert shape.height_mm == pytest.approx(preview.shape().height_mm)
 
 
+@pytest.mark.slow
 def test_pins_that_leave_no_length_for_a_rise_are_told() -> None:
     """Who forgets the scale gets a flat sheet, and a scale with which it rises."""
 
@@ -607,6 +626,7 @@ def test_pins_that_leave_no_length_for_a_rise_are_told() -> None:
     assert not silent and higher > 4.0 * height
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("corners", [[0], [0, 1]])
 def test_tubes_hang_by_their_corners(corners: list[int]) -> None:
     """From flat and level to upright is far: they are swung there as they are bent."""
@@ -615,6 +635,7 @@ def test_tubes_hang_by_their_corners(corners: list[int]) -> None:
     assert found.is_minimum and found.iterations < 60
 
 
+@pytest.mark.slow
 def test_nothing_is_expected_of_stars_that_are_sent_down() -> None:
     """The law's are all up. A single one of many is warned of only."""
     pins = [{"where": "border", "scale": 0.9}]

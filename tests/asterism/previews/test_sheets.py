@@ -35,6 +35,7 @@ def is_kept(design: Design, triangles: int | None = None) -> bool:
     return kept_print(design, layout(design), triangles, PREVIEW_MODEL) is not None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "change",
     [
@@ -59,6 +60,7 @@ def test_the_shape_is_that_of_a_new_print(change: dict[str, Any]) -> None:
     assert again.summary["warnings"] == new.summary["warnings"]
 
 
+@pytest.mark.slow
 def test_the_same_print_shares_its_elements_and_the_shape_its_triangles() -> None:
     first, second = Preview(small()), Preview(small(stars={"width_mm": 0.7}))
     assert second.state.sheet.space is first.state.sheet.space

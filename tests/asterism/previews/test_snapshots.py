@@ -39,6 +39,7 @@ def test_a_preview_goes_back_to_a_snapshot(name: str, change: dict[str, Any]) ->
     assert other.shape().height_mm == pytest.approx(shape.height_mm, rel=1e-8)
 
 
+@pytest.mark.slow
 def test_undo_restores_the_form_that_a_sheet_had() -> None:
     preview = Preview(edited("dome", pins=[{"where": "border", "scale": 0.7}]))
     snapshot, energy = preview.snapshot(), preview.equilibrium.energy
@@ -57,6 +58,7 @@ def test_a_snapshot_does_not_change() -> None:
     assert preview.snapshot().x == pytest.approx(snapshot.x) and linear.x is not snapshot.x
 
 
+@pytest.mark.slow
 def test_snapshots_of_other_meshes_are_refused() -> None:
     fine, coarse = Preview(edited("dome"), triangles=150), Preview(edited("dome"), triangles=60)
     before = coarse.state
@@ -67,6 +69,7 @@ def test_snapshots_of_other_meshes_are_refused() -> None:
         coarse.restore(before)  # type: ignore[arg-type]
 
 
+@pytest.mark.slow
 def test_the_other_forms_of_one_design_are_not_those_of_another() -> None:
     start = gallery.load("fig8-l-increasing")
     preview = Preview(start)

@@ -37,6 +37,7 @@ def move_by_edit(preview: Preview, star: int, size: SizeName, change: float, is_
     return np.asarray(moved - start)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pins", [[], [PINNED]], ids=["free", "pinned"])
 @pytest.mark.parametrize(("size", "step"), [("length_mm", 0.2), ("thickness_mm", 0.004), ("width_mm", 0.04)])
 def test_the_derivative_is_the_limit_of_edits(pins: list[dict[str, object]], size: SizeName, step: float) -> None:
@@ -69,6 +70,7 @@ def test_rounded_sizes_are_changed_from_their_rounded_values(size: SizeName) -> 
     assert np.abs(given - expected).max() < 1e-6 * np.abs(expected).max()
 
 
+@pytest.mark.slow
 def test_stars_of_one_colour_give_the_same_as_stars_one_by_one(monkeypatch: pytest.MonkeyPatch) -> None:
     preview = Preview(design([PINNED]))
     together = star_sensitivity(preview.state, "length_mm")

@@ -130,6 +130,7 @@ def test_sites_off_the_sheet_are_named() -> None:
     assert not any("outside of the sheet" in line for line in asterism.preview(dome_with([])).summary["warnings"])
 
 
+@pytest.mark.slow
 def test_arms_that_are_bonded_where_they_meet_are_named() -> None:
     meeting = asterism.Design.from_dict({"stars": {"length_fraction": 1.0}, "border": {"rings": 1}})
     (warning,) = [line for line in asterism.preview(meeting).summary["warnings"] if "print as one" in line]

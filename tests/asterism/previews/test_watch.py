@@ -43,6 +43,7 @@ THINNER = dome(stars={"thickness_mm": 0.27})
 CUT = dome(border={"rings": 2})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("design", [THINNER, CUT, dome(pins=[])], ids=["stars", "outline", "free"])
 def test_every_edit_can_be_stopped_at_any_moment(design: Design) -> None:
     check = Countdown()

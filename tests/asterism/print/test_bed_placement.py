@@ -42,6 +42,7 @@ def test_a_large_print_is_named_with_the_printers_and_fits_a_printer_of_the_user
     assert not list(size_warning(wide))
 
 
+@pytest.mark.slow
 def test_previews_warn_of_large_prints(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, blank_pictures: None, cli: Cli
 ) -> None:

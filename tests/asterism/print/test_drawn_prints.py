@@ -54,6 +54,7 @@ def drawn(data: dict[str, Any] = LEAF, **options: Any) -> Job:
     return job(Design.from_dict(data), **options)
 
 
+@pytest.mark.slow
 def test_names_of_layers_that_every_dxf_has(tmp_path: Path) -> None:
     lines = [{"name": name, "line_mm": [(-20, y), (20, y)]} for y, name in ((-5, "0"), (5, "Defpoints"))]
     export(Design.from_dict({"rods": {"draw": lines}, "border": {"rectangle_mm": (60, 40)}}), tmp_path)
@@ -61,6 +62,7 @@ def test_names_of_layers_that_every_dxf_has(tmp_path: Path) -> None:
     assert {"0", "Defpoints"} <= {line.layer for line in drawing.lines}
 
 
+@pytest.mark.slow
 def test_solids_are_closed_and_as_large_as_the_lines(tmp_path: Path) -> None:
     exported = export(Design.from_dict(LEAF), tmp_path)
     mesh = trimesh.load_mesh(tmp_path / "rods.stl")
@@ -72,6 +74,7 @@ def test_solids_are_closed_and_as_large_as_the_lines(tmp_path: Path) -> None:
     assert "Cut along" not in (text := (tmp_path / "instructions.txt").read_text()) and "outer edge of the" in text
 
 
+@pytest.mark.slow
 def test_a_straight_line_is_a_box_of_its_size(tmp_path: Path) -> None:
     line = {"draw": [{"line_mm": [(-10, 0), (10, 0)]}], "thickness_mm": 0.4}
     export(Design.from_dict({"rods": line, "border": {"rectangle_mm": (40.0, 20.0)}}), tmp_path, border=False)
@@ -140,6 +143,7 @@ def same_graph(one: RodGraph, other: RodGraph, shift: np.ndarray) -> float:
     return max(min(shapely.hausdorff_distance(a, b) for b in moved) for a in lines)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("suffix", ["svg", "dxf"])
 def test_middle_lines_are_read_again_within_a_micrometre(tmp_path: Path, suffix: str) -> None:
     export(Design.from_dict(LEAF), tmp_path)
@@ -221,6 +225,7 @@ def test_a_supported_sheet_with_a_rim_has_its_needles_and_its_outline_in_space(t
     assert {"needles.svg", "shape.glb", "rods.vtu"} <= set(exported.files)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", gallery.pattern_names())
 def test_the_drawn_patterns_of_the_gallery_fit_the_papers_printer(name: str) -> None:
     one = job(gallery.load(name))

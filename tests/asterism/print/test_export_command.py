@@ -15,6 +15,7 @@ from tests.asterism.print.exported import ALWAYS, PINNED, Run, mistake
 from tests.asterism.print.jobs import design
 
 
+@pytest.mark.slow
 def test_all_files_and_what_they_say(file: Path, tmp_path: Path, as_it_is: Run) -> None:
     result = as_it_is("export", "d.toml", "--plate", "3", "--fabric", "0.55")
     assert result.status == 0, result.err
@@ -46,6 +47,7 @@ def test_a_smaller_check_square_is_told_everywhere(file: Path, tmp_path: Path, r
     assert "Draw a square of 60 mm" in (tmp_path / "out" / "instructions.txt").read_text()
 
 
+@pytest.mark.slow
 def test_the_fabric_is_to_be_measured_stretched(file: Path, tmp_path: Path, run: Run) -> None:
     save_design(design(stars={"length_mm": 8.0}, border={"rings": 0}, pins=[]), file)
     assert "released fabric; measure it stretched: --fabric" in run("export", "d.toml", "-o", "out").out
@@ -67,6 +69,7 @@ def test_the_design_is_not_written_over(file: Path, tmp_path: Path, run: Run) ->
     assert "is where link.json is and stays" in mistake(run("preview", "link.json", "-o", "."))
 
 
+@pytest.mark.slow
 def test_a_plastic_with_an_empty_line_of_advice(file: Path, tmp_path: Path, run: Run) -> None:
     (tmp_path / "p.toml").write_text('name = "x"\ndensity_kg_m3 = 1220\nadvice = ["", "dry it"]\n')
     assert run("export", "d.toml", "--plastic", "p.toml").status == 0
@@ -106,6 +109,7 @@ def test_designs_larger_than_the_bed_are_one_line(tmp_path: Path, run: Run) -> N
     assert [path.name for path in tmp_path.iterdir()] == ["d.toml"]
 
 
+@pytest.mark.slow
 def test_files_of_an_earlier_export_do_not_stay_behind(file: Path, tmp_path: Path, run: Run) -> None:
     save_design(design(border={"rings": 0}), file)
     assert run("export", "d.toml", "-o", "out").status == 0
@@ -115,6 +119,7 @@ def test_files_of_an_earlier_export_do_not_stay_behind(file: Path, tmp_path: Pat
     assert {path.name for path in (tmp_path / "out").iterdir()} == (ALWAYS - {"border.stl"}) | {"summary.json"}
 
 
+@pytest.mark.slow
 def test_an_export_that_fails_leaves_the_earlier_one(file: Path, tmp_path: Path, run: Run) -> None:
     assert run("export", "d.toml", "-o", "out").status == 0
     before = {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()}
@@ -127,6 +132,7 @@ def test_an_export_that_fails_leaves_the_earlier_one(file: Path, tmp_path: Path,
     assert after == before
 
 
+@pytest.mark.slow
 def test_files_that_are_no_exports_stay(file: Path, tmp_path: Path, run: Run) -> None:
     """A folder without an export holds somebody's own; one with an export loses what the new one does not write."""
     (tmp_path / "d-print").mkdir()
@@ -152,6 +158,7 @@ def test_another_plastic_than_the_designs_is_named(tmp_path: Path, cli: Cli) -> 
     assert measured.status == 0 and "is printed" not in measured.err
 
 
+@pytest.mark.slow
 def test_without_the_package_for_dxf_all_else_is_written(
     file: Path, tmp_path: Path, run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -122,6 +122,7 @@ def test_a_given_shape_that_may_not_stay_is_told(doubt: dict[str, bool], file: P
     assert said["shape"] == {"is_certain": None, "warnings": []}
 
 
+@pytest.mark.slow
 def test_the_shape_of_results_is_not_replaced_beside_its_summary(file: Path, tmp_path: Path, run: Run) -> None:
     (tmp_path / "results").mkdir()
     for name in ("summary.json", "shape.vtu", "rods.vtu", "shape.obj"):
@@ -133,6 +134,7 @@ def test_the_shape_of_results_is_not_replaced_beside_its_summary(file: Path, tmp
         assert (tmp_path / "results" / name).read_text() == "mine"
 
 
+@pytest.mark.slow
 def test_where_the_preview_knows_no_law_the_print_is_exported_all_the_same(file: Path, run: Run) -> None:
     """The fabric does not bend."""
     save_design(design(fabric={"bending": "none"}), file)
@@ -143,6 +145,7 @@ def test_where_the_preview_knows_no_law_the_print_is_exported_all_the_same(file:
         assert "fabric.bending" in mistake(run("export", "d.toml", "-o", "other", *words))
 
 
+@pytest.mark.slow
 def test_the_preview_takes_a_law(file: Path, run: Run) -> None:
     save_design(design(fabric={}, border={"rings": 1}, pins=[]), file)
     result = run("export", "d.toml", "-o", "out", "--preview", "--law", str(PAPER_LAW))

@@ -65,6 +65,7 @@ def test_tiny_pieces_are_named_by_their_place() -> None:
     assert tiny_pieces(job().plan, 1.5) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", gallery.names())
 def test_the_gallery_fits_the_papers_printer(name: str) -> None:
     one = job(gallery.load(name))
@@ -99,6 +100,7 @@ def test_larger_than_the_bed() -> None:
         job(rectangle(240.0, 100.0))
 
 
+@pytest.mark.slow
 def test_a_turn_that_helps_is_named_and_does() -> None:
     bar = design(fabric={}, stars={"length_mm": 8.0}, border={"rectangle_mm": [240.0, 60.0]}, pins=[])
     with pytest.raises(DesignError, match=r"--turn [0-9]+ makes it fit$") as caught:
@@ -123,6 +125,7 @@ def test_larger_than_the_frame() -> None:
         job(design(stars={"length_mm": 8.0}, border=wide, pins=[]))
 
 
+@pytest.mark.slow
 def test_nothing_is_printed_on_the_bars_of_the_frame() -> None:
     """Here the nozzle reaches beyond the frame."""
     bed = {"bed_mm": (300.0, 300.0)}
@@ -206,6 +209,7 @@ def test_a_shape_of_another_design_is_refused() -> None:
         job(shape=other)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("change", "words"),
     [
@@ -242,6 +246,7 @@ def test_estimate_of_a_single_star_by_hand() -> None:
     assert cost["minutes"] == pytest.approx(speed.heating_min + seconds / 60)
 
 
+@pytest.mark.slow
 def test_prints_of_the_papers_size_take_about_its_twenty_minutes() -> None:
     minutes = []
     for name in ("roof", "tunnel", "u-shape", "doubly-curved"):
@@ -268,6 +273,7 @@ def test_a_turn_is_named_only_if_the_fabric_fits_the_frame_too() -> None:
     job(bar, turn_deg=float(str(caught.value).split("--turn ")[1].split()[0]))
 
 
+@pytest.mark.slow
 def test_what_is_only_described_may_be_of_any_size() -> None:
     assert "must be within the 223.0 x 223.0 mm" in job(rectangle(400.0, 300.0), any_size=True).too_large
     assert job(any_size=True).too_large == ""

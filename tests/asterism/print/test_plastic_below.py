@@ -43,6 +43,7 @@ def test_a_sheet_with_all_plastic_below_is_one_mirrored_print() -> None:
     assert list(below["print"].values()) == pytest.approx(list(above["print"].values()), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_the_export_has_both_prints_and_says_how_to_make_them(tmp_path: Path) -> None:
     done = export(sheet(override=[{"star": 1, "side": "below"}]), tmp_path)
     assert {"print.3mf", "print-below.3mf", "stars.stl", "stars-below.stl"} <= set(done.files)

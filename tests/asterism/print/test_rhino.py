@@ -48,6 +48,7 @@ def points(curve: Any) -> np.ndarray:
     return np.array([(place.X, place.Y, place.Z) for place in places])
 
 
+@pytest.mark.slow
 def test_layers_hold_the_print_the_sheet_and_the_base(written: tuple[Any, Path]) -> None:
     exported, folder = written
     found = by_layer(folder / "model.3dm")

@@ -50,6 +50,7 @@ def middle(drawing: Drawing) -> tuple[float, float]:
     return float(-drawing.low[0]), float(-drawing.low[1])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("page", [0, 1])
 def test_the_check_square_on_the_rendered_pdf(one: Job, folder: Path, page: int) -> None:
     """10 cm before stretching, 10 cm times the stretch of each direction after."""

@@ -148,6 +148,7 @@ def test_boxes_that_touch_along_an_edge_become_one_piece() -> None:
     assert mesh.volume == pytest.approx(1.0, abs=1e-4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("taper", [False, True])
 @pytest.mark.parametrize(
     ("kind", "arms", "fraction", "orientation"),

@@ -40,6 +40,7 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path
 
 
+@pytest.mark.slow
 @pytest.mark.skipif("pardiso" not in available(), reason="PARDISO is not installed")
 @pytest.mark.parametrize("layer", ["LP64,GNU", "ILP64"])
 def test_mkl_runs_whatever_layer_the_environment_names(layer: str, folder: Path) -> None:
@@ -48,12 +49,14 @@ def test_mkl_runs_whatever_layer_the_environment_names(layer: str, folder: Path)
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.slow
 def test_settings_of_threads_windows_and_compilation_do_not_matter(folder: Path) -> None:
     threads = {"NUMBA_NUM_THREADS": "0", "OMP_NUM_THREADS": "0"}
     done = run(folder, "report", "d.toml", **threads, MPLBACKEND="nosuch", NUMBA_DISABLE_JIT="1")
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="Windows has no list of users")
 @pytest.mark.parametrize("words", [["export", "d.toml"], ["materials"], ["printers"], ["preview", "d.toml"]])
 def test_without_a_home(words: list[str], folder: Path) -> None:
@@ -61,6 +64,7 @@ def test_without_a_home(words: list[str], folder: Path) -> None:
     assert done.returncode == 0 and "writable" not in done.stderr, done.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="the streams of Windows are others")
 @pytest.mark.parametrize(("name", "status"), [("d.toml", 0), ("none.toml", 2)])
 def test_a_closed_standard_error(name: str, status: int, folder: Path) -> None:
@@ -86,6 +90,7 @@ def test_a_library_that_is_missing_is_named(folder: Path) -> None:
     assert done.returncode == 1 and "shapely" in done.stderr.splitlines()[-1] and "Traceback" not in done.stderr
 
 
+@pytest.mark.slow
 def test_names_are_printed_safely(folder: Path) -> None:
     (folder / "\x1b[31m\u202ed.toml").write_text("x = 1")
     refused = run(folder, "preview", "\x1b[31m\u202ed.toml")

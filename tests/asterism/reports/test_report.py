@@ -131,6 +131,7 @@ def test_sheets_that_hang_and_sizes_that_are_rounded_are_on_the_page(design: Pat
     assert "thickness 0.4, width" in text and "in place of" not in text and "as drawn" not in text
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("blank_pictures")
 def test_what_decides_the_shape_is_on_the_page(design: Path, tmp_path: Path, capsys, monkeypatch) -> None:
     """Weight and sides of stars too; and a needle in the middle keeps its dot beside its number."""
@@ -150,6 +151,7 @@ def test_what_decides_the_shape_is_on_the_page(design: Path, tmp_path: Path, cap
     assert red > green + 60 and red > blue + 60
 
 
+@pytest.mark.slow
 def test_needles_along_which_the_sheet_slides_stand_at_a_place_without_a_height(
     design: Path, capsys, monkeypatch
 ) -> None:

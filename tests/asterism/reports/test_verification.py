@@ -63,6 +63,7 @@ def without_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("asterism.reports.verification_page._pictures", lambda _: [])
 
 
+@pytest.mark.slow
 def test_summary(found):
     s = found.summary
     assert 0.0 < s["rms_percent"] < s["max_percent"] < 5.0
@@ -98,6 +99,7 @@ def test_compiling_counts_for_neither_model(found, tmp_path, monkeypatch):
     assert len(spent) == 2 and s["exact_s"] < 0.5 * spent[0] and s["exact_from_preview_s"] < 0.5 * spent[1]
 
 
+@pytest.mark.slow
 def test_files(found, folder):
     summary = json.loads((folder / "summary.json").read_text())
     assert summary["rms_percent"] == pytest.approx(found.summary["rms_percent"])

@@ -21,6 +21,7 @@ def test_shapes_of_a_verification_are_doubted_once() -> None:
     assert doubts({"stars": 2, "stars_outside_law": ["star 0"], "self_intersections": 0}) == []
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("blank_pictures")
 @pytest.mark.parametrize(("options", "status"), [([], 0), (["--strict"], 1)])
 def test_strict_ends_with_1_where_the_first_line_has_a_doubt(

@@ -142,6 +142,7 @@ def test_only_motions_that_the_supports_leave_free_are_taken_out(pins, free):
     assert found.heights_mm[1] == pytest.approx(np.ptp(swung.positions[:, 2]))
 
 
+@pytest.mark.slow
 def test_weight_says_how_a_sheet_hangs():
     """On a needle it turns about the plumb line alone."""
     held = design(pins=[{"points_mm": [[0.0, 0.0]]}])
@@ -156,6 +157,7 @@ def test_weight_says_how_a_sheet_hangs():
         assert (found[1].heights_mm[1] > found[1].heights_mm[0] + 5.0) is off
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pins", [[{"where": "border", "scale": 0.8}], [{"where": "corners", "slide": "plane"}],
                                   [{"where": "corners", "scale": 0.8, "offset_mm": [5.0, -3.0, 7.0]}]])  # fmt: skip
 def test_images_of_a_supported_sheet_stand_on_its_supports(pins):
@@ -280,6 +282,7 @@ def test_a_rise_counts_from_what_is_held_whatever_hangs_below_or_beside_it(side)
     assert found.heights_mm == pytest.approx((6.0, 6.5), abs=0.06)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("pins", [[], [{"points_mm": [[0.0, 0.0]], "scale": 0.8}]])
 def test_what_is_held_nowhere_or_at_one_point_has_no_rise(pins):
     of = design(pins=pins)

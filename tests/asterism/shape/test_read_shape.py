@@ -45,6 +45,7 @@ def results(written: Path, tmp_path: Path) -> Path:
     return Path(shutil.copytree(written, tmp_path / "out"))
 
 
+@pytest.mark.slow
 def test_a_result_is_read_as_it_was(shape: Shape, results: Path) -> None:
     for path in (results, results / "shape.vtu"):
         again = read_shape(path)

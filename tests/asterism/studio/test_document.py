@@ -73,6 +73,7 @@ def perform(document: Document, operation: Any) -> None:
         assert operation[0] == "end" or json.dumps(document.table) == before
 
 
+@pytest.mark.slow
 @settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(operations=st.lists(OPERATIONS, max_size=12))
 def test_undoing_everything_gives_the_first_document_byte_for_byte(tmp_path: Path, operations: list[Any]):

@@ -131,6 +131,7 @@ def test_supports_that_another_outline_does_not_reach_are_left_out_with_a_line(t
     assert with_drawing({**table, "pins": pins[3:]}, drawing, request, np.zeros((0, 2)))[1] == ""
 
 
+@pytest.mark.slow
 def test_a_page_sends_a_drawing_answers_for_its_unit_and_places_it(client: TestClient, page: Page) -> None:
     def draw(space: Any) -> None:
         space.add_line((-2, 0), (2, 0), dxfattribs={"layer": "ribs"})
@@ -155,6 +156,7 @@ def test_a_page_sends_a_drawing_answers_for_its_unit_and_places_it(client: TestC
     assert "choose its file again" in page.until("problem")["text"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "name, content",
     [("a.svg", b"<svg"), ("a.dxf", b"AutoCAD Binary DXF\r\n\x1a\x00" + b"\xff" * 100), ("a.png", b"x")],

@@ -79,6 +79,7 @@ def test_rest_brings_a_fine_mesh_and_the_summary(engine: EnginePipe) -> None:
     assert pickle.loads(rested.shape).height_mm == pytest.approx(expected["height_mm"], rel=1e-9)
 
 
+@pytest.mark.slow
 def test_the_summary_says_how_far_a_sheet_hangs_below_its_needles(engine: EnginePipe) -> None:
     middle = {"points_mm": [[-8.0, 0.0], [8.0, 0.0], [0.0, 12.0]], "scale": 0.76}
     data = {"stars": {"length_mm": 8.0}, "border": {"rings": 2}, "pins": [middle]}
@@ -118,6 +119,7 @@ def test_another_stretch_is_learned(engine: EnginePipe) -> None:
     assert frame.is_minimum and rise == pytest.approx(own.height_mm, rel=0.1)
 
 
+@pytest.mark.slow
 def test_an_error_leaves_the_old_shape(engine: EnginePipe) -> None:
     engine.send(Edit(1, table()))
     before = engine.frame(1)

@@ -26,6 +26,7 @@ def test_a_search_can_be_cancelled_and_the_shape_stays(engine: EnginePipe) -> No
     assert engine.frame(3).positions == pytest.approx(before.positions, abs=1e-4)
 
 
+@pytest.mark.slow
 def test_a_cancelled_flip_leaves_the_form_and_its_summary_follows(engine: EnginePipe) -> None:
     engine.send(Edit(1, narrow()))
     before = engine.frame(1)
@@ -36,6 +37,7 @@ def test_a_cancelled_flip_leaves_the_form_and_its_summary_follows(engine: Engine
     assert engine.frame(3).height_mm < before.height_mm
 
 
+@pytest.mark.slow
 def test_a_snapshot_brings_its_form_back(engine: EnginePipe) -> None:
     engine.send(Edit(1, narrow()))
     first = engine.frame(1)
@@ -49,6 +51,7 @@ def test_a_snapshot_brings_its_form_back(engine: EnginePipe) -> None:
     assert engine.frame(4).is_minimum
 
 
+@pytest.mark.slow
 def test_the_form_of_an_opened_design_does_not_depend_on_those_opened_before(engine: EnginePipe) -> None:
     for seq, name in enumerate(("dome", "cone", "dome"), 1):
         engine.send(Edit(seq, table(name), is_opened=True))
@@ -58,6 +61,7 @@ def test_the_form_of_an_opened_design_does_not_depend_on_those_opened_before(eng
         assert [notice.text for notice in summary.warnings] == expected["warnings"]
 
 
+@pytest.mark.slow
 def test_the_shown_sheet_of_an_opened_design_is_its_own_though_it_shares_its_print(engine: EnginePipe) -> None:
     uniform, decreasing = table("fig8-l-uniform"), table("fig8-l-decreasing")
     edited = decreasing | {"stars": decreasing["stars"] | {"thickness_mm": 0.5}}  # in another program
@@ -93,6 +97,7 @@ def test_an_edit_goes_on_from_an_opened_design_and_never_from_the_one_before(eng
     assert height == pytest.approx(asterism.preview(edited).height_mm, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_flip_waits_for_the_shape_of_the_edit_before(engine: EnginePipe, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("asterism.studio.search_bounds.STALE_S", 0.0)
     engine.send(Edit(1, narrow(), is_opened=True), Flip(2))
@@ -100,6 +105,7 @@ def test_a_flip_waits_for_the_shape_of_the_edit_before(engine: EnginePipe, monke
     assert engine.frame(2).height_mm < first.height_mm
 
 
+@pytest.mark.slow
 def test_a_new_engine_goes_to_the_form_of_the_last_one(engine: EnginePipe) -> None:
     other = EnginePipe()
     other.send(Edit(1, narrow(), is_opened=True), Flip(2))
@@ -109,6 +115,7 @@ def test_a_new_engine_goes_to_the_form_of_the_last_one(engine: EnginePipe) -> No
     assert engine.frame(3).positions == pytest.approx(flipped.positions, abs=1e-4)
 
 
+@pytest.mark.slow
 def test_other_forms_are_listed_and_shown(engine: EnginePipe) -> None:
     data = asterism.new("fig8-l-increasing").to_dict()
     engine.send(Edit(1, data))
@@ -134,6 +141,7 @@ def test_free_sheets_keep_their_pose_while_they_change(engine: EnginePipe) -> No
     assert engine.summary(2).numbers["height_mm"] > 0.0
 
 
+@pytest.mark.slow
 def test_another_outline_goes_on_from_the_old_shape_and_is_searched_at_rest(engine: EnginePipe) -> None:
     engine.send(Edit(1, narrow()))
     engine.summary(1)

@@ -55,6 +55,7 @@ def run(test: Callable[[Links], Awaitable[None]], **options: Any) -> None:
     run_coroutine(body())
 
 
+@pytest.mark.slow
 def test_an_engine_that_ends_is_replaced_and_given_the_design_again(tmp_path: Path):
     mark = tmp_path / "mark"
     mark.touch()
@@ -74,6 +75,7 @@ def test_an_engine_that_ends_is_replaced_and_given_the_design_again(tmp_path: Pa
     run(test)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("is_opened", "snapshot"), [(False, b"12"), (True, b"2")])
 def test_the_next_engine_is_given_the_form_of_the_last_one(tmp_path: Path, is_opened: bool, snapshot: bytes):
     mark = tmp_path / "mark"
@@ -122,6 +124,7 @@ def test_a_search_is_named_until_something_else_is_asked_for():
     run(test, keeps_spare=False)
 
 
+@pytest.mark.slow
 def test_a_design_that_ends_every_engine_waits_for_another_edit():
     async def test(links: Links) -> None:
         links.link.edit(Edit(1, {"die": True}))
@@ -137,6 +140,7 @@ def test_a_design_that_ends_every_engine_waits_for_another_edit():
     run(test, keeps_spare=False)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("spare", [False, True])
 def test_closing_ends_all_processes(spare: bool):
     async def test(links: Links) -> None:
@@ -149,6 +153,7 @@ def test_closing_ends_all_processes(spare: bool):
     run(test, keeps_spare=spare)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("failure", "why"),
     [

@@ -10,6 +10,7 @@ from asterism.studio.messages import Edit, FitTarget, Frame, Parts, ShownMesh, S
 from tests.asterism.studio.engine_pipe import EnginePipe, table
 
 
+@pytest.mark.slow
 def test_frames_hold_the_sheet_without_bumps_when_they_are_asked_to(engine: EnginePipe) -> None:
     engine.send(Edit(1, table()))
     assert engine.frame(1).smooth is None
@@ -34,6 +35,7 @@ def test_a_free_sheet_without_bumps_stands_where_the_sheet_with_bumps_does(engin
     assert np.abs(frame.smooth.positions - frame.positions).max() < 3.0
 
 
+@pytest.mark.slow
 def test_a_target_is_laid_on_the_shape_and_measured_at_rest(engine: EnginePipe) -> None:
     for seq in (1, 2):
         engine.send(Edit(seq, table()))

@@ -37,6 +37,7 @@ def shown(page: Page, studio: Studio) -> dict[str, Any]:
     return studio.document.table
 
 
+@pytest.mark.slow
 def test_the_fitted_design_is_one_step_of_undo(client: TestClient, page: Page, studio: Studio) -> None:
     before = shown(page, studio)
     send_roof(client)
@@ -54,6 +55,7 @@ def test_the_fitted_design_is_one_step_of_undo(client: TestClient, page: Page, s
     assert studio.document.table == before
 
 
+@pytest.mark.slow
 def test_the_target_is_laid_on_a_free_sheet(client: TestClient, page: Page, studio: Studio) -> None:
     shown(page, studio)
     send_roof(client)
@@ -79,6 +81,7 @@ def test_a_target_that_has_another_size_meanwhile_stays(
     assert studio.parts.target.rotation.tolist() == np.eye(3).tolist()
 
 
+@pytest.mark.slow
 def test_a_target_that_is_moved_meanwhile_gets_the_pose_of_the_fit(
     client: TestClient, page: Page, studio: Studio, gate: Path
 ) -> None:
@@ -96,6 +99,7 @@ def test_a_target_that_is_moved_meanwhile_gets_the_pose_of_the_fit(
     assert target is not None and target.is_fitted and target.shift.tolist() == [0.0, 0.0, 5.0]
 
 
+@pytest.mark.slow
 def test_a_fit_for_another_design_is_left_out(client: TestClient, page: Page, studio: Studio, gate: Path) -> None:
     shown(page, studio)
     send_roof(client)
@@ -109,6 +113,7 @@ def test_a_fit_for_another_design_is_left_out(client: TestClient, page: Page, st
     assert studio.document is not None and studio.document.table["border"] != {"rings": 1}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("error", [TypeError("of two\nlines"), OSError("of two\nlines")])
 def test_whatever_goes_wrong_with_a_result_is_one_line_of_the_page(
     error: Exception, client: TestClient, page: Page, studio: Studio, monkeypatch: pytest.MonkeyPatch

@@ -29,6 +29,7 @@ def name_it(page: Page, name: str) -> None:
     page.until("document", gesture=1)
 
 
+@pytest.mark.slow
 def test_a_verification_ends_with_the_exact_shape_and_numbers(page: Page, studio: Studio):
     name_it(page, "quick")
     page.send(type="verify")
@@ -55,6 +56,7 @@ def test_one_job_runs_at_a_time_and_can_be_cancelled(page: Page, studio: Studio)
     assert page.until("result")["job"] == "export"
 
 
+@pytest.mark.slow
 def test_a_job_that_ends_without_a_result_is_named(page: Page, studio: Studio):
     name_it(page, "die")
     page.send(type="verify")
@@ -78,6 +80,7 @@ def test_a_result_that_cannot_be_shown_is_named(page: Page, studio: Studio, monk
     assert page.until("state", jobs={})["engine"] == "ready"
 
 
+@pytest.mark.slow
 def test_files_of_an_export_can_be_downloaded_if_they_are_below_the_folder(
     page: Page, client: TestClient, folder: Path
 ):
@@ -90,6 +93,7 @@ def test_files_of_an_export_can_be_downloaded_if_they_are_below_the_folder(
     assert client.get(f"http://{HOST}/{TOKEN}/file/dome-print/a.stl").content == b"solid"
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="Windows keeps files in use")
 @pytest.mark.parametrize("how", ["cancel", "kill"])
 def test_a_job_that_is_ended_leaves_no_hidden_folder(
@@ -108,6 +112,7 @@ def test_a_job_that_is_ended_leaves_no_hidden_folder(
     assert page.until("state")["jobs"] == {} and [file.name for file in folder.iterdir()] == ["dome.toml"]
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="Windows has no fork")
 def test_a_job_counts_as_ended_although_a_process_of_its_own_goes_on(
     page: Page, studio: Studio, monkeypatch: pytest.MonkeyPatch

@@ -107,6 +107,7 @@ def test_target_and_kept_designs_go_with_their_design(client: TestClient, page: 
     assert parts[-1].target is None
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("is_good", [True, False])
 def test_a_verification_of_another_design_is_told_and_not_shown(
     is_good: bool, page: Page, studio: Studio, monkeypatch: pytest.MonkeyPatch, tmp_path: Path

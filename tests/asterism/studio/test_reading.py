@@ -30,6 +30,7 @@ def send(client: TestClient) -> Any:
     return client.post(place, content=b"<svg/>", headers={"origin": f"http://{HOST}", "x-name": "heavy.svg"})
 
 
+@pytest.mark.slow
 def test_a_file_that_takes_too_long_is_left_and_its_process_ends(
     client: TestClient, page: Page, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -47,6 +48,7 @@ def test_a_file_that_takes_too_long_is_left_and_its_process_ends(
         os.kill(int(started.name), 0)
 
 
+@pytest.mark.slow
 def test_a_process_that_is_ended_for_its_memory_is_named(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(reading, "_READER", f"{__name__}:need_memory")
     assert send(client).json()["problem"]["text"] == "heavy.svg: needs too much memory: simplify it"

@@ -181,6 +181,7 @@ UNREADABLE = [
 ]
 
 
+@pytest.mark.slow
 def test_uploads_that_cannot_be_read_are_refused_in_one_line(client: TestClient):
     for kind, name, content in UNREADABLE:
         answer = client.post(f"/{TOKEN}/upload?kind={kind}", content=content, headers={**ORIGIN, "x-name": name})

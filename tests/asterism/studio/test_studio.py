@@ -205,6 +205,7 @@ def test_paths_are_shown_from_the_home_folder_on(folder: Path, monkeypatch: pyte
     assert shown_path(folder.parent / "dome.toml") == str(folder.parent / "dome.toml")
 
 
+@pytest.mark.slow
 def test_the_first_page_says_how_many_designs_of_a_full_folder_it_leaves_out(page: Page, folder: Path):
     text = (folder / "dome.toml").read_text(encoding="utf-8")
     for number in range(MAX_FILES + 1):

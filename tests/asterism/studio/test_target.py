@@ -43,6 +43,7 @@ def is_done(page: Page) -> None:
     page.until("gallery")
 
 
+@pytest.mark.slow
 def test_a_target_is_kept_in_its_unit_and_pose_until_it_is_removed(client: TestClient, page: Page, studio: Studio):
     page.until("shape")
     assert send_roof(client)["name"] == "roof.obj"
@@ -82,6 +83,7 @@ def test_the_engine_sends_the_sheet_without_bumps_while_a_page_shows_it(client: 
     assert asked[-1] == Parts(asked[-1].seq, smooth=False)
 
 
+@pytest.mark.slow
 def test_a_surface_of_rhino_is_a_target_in_mm(client: TestClient, page: Page, studio: Studio, tmp_path: Path):
     rhino3dm = pytest.importorskip("rhino3dm")
     page.until("shape")

@@ -27,6 +27,7 @@ def edited(path: Path, name: str) -> Document:
     return document
 
 
+@pytest.mark.slow
 def test_an_autosave_that_failed_is_tried_again(
     page: Page, studio: Studio, folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -51,12 +51,14 @@ def lines_that_cross(space: Any) -> None:
         space.add_line((x, 0), (x, 100))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("draw", [rectangle, four_lines, lines_that_cross])
 def test_an_outline_in_dxf_is_centred(client: TestClient, draw: Any):
     corners = sent(client, "outline", "a.dxf", dxf(draw))["border"]["polygon_mm"]
     assert {tuple(corner) for corner in corners} == CENTRED
 
 
+@pytest.mark.slow
 def test_units_and_curves_of_a_dxf(client: TestClient):
     content = dxf(lambda space: space.add_circle((1, 1), 2), unit=1)  # inches
     corners = np.array(sent(client, "outline", "a.dxf", content)["border"]["polygon_mm"])
@@ -71,6 +73,7 @@ def test_an_outline_in_svg(client: TestClient):
     assert {tuple(corner) for corner in corners} == CENTRED
 
 
+@pytest.mark.slow
 def test_drawings_without_an_outline_are_refused_in_one_line(client: TestClient):
     for content in (
         dxf(lambda space: space.add_line((0, 0), (10, 0))),  # open

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.sweeps.cost import MOTIF_CELL_S, MOTIF_PREVIEW_S, START_S, sweep_cost
@@ -9,6 +11,7 @@ from asterism.sweeps.cost import MOTIF_CELL_S, MOTIF_PREVIEW_S, START_S, sweep_c
 VARIED = {"profile": "radial", "from": 0.3, "to": 0.5, "over_mm": 30.0}
 
 
+@pytest.mark.slow
 def test_previews_of_motifs_solve_their_cells_unless_a_law_is_given() -> None:
     net = gallery.load("skew-grid")
     assert sweep_cost(net, [], 10, False, 2).seconds == START_S + 5 * (MOTIF_PREVIEW_S + MOTIF_CELL_S)

@@ -46,6 +46,7 @@ def once(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Sweep]:
         return folder, sweep_design(small(), VARY, folder=folder)
 
 
+@pytest.mark.slow
 def test_each_row_is_the_preview_of_its_design(once: tuple[Path, Sweep]) -> None:
     result = once[1]
     assert [dict(point.parameters) for point in result.points] == [

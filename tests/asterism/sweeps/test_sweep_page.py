@@ -63,6 +63,7 @@ def numbers(page: Any) -> list[int]:
     return [int(each.get_attribute("data-number")) for each in page.query_selector_all("#cards .card")]
 
 
+@pytest.mark.slow
 def test_every_design_has_a_card_and_a_point(page: Any) -> None:
     assert numbers(page) == list(range(1, 13))
     assert page.locator("#count").inner_text() == "12 designs"
@@ -71,6 +72,7 @@ def test_every_design_has_a_card_and_a_point(page: Any) -> None:
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
 
 
+@pytest.mark.slow
 def test_cards_are_sorted_and_filtered(page: Any) -> None:
     page.select_option("#sort", "v:height_mm")
     assert numbers(page) == [11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 12]
@@ -99,6 +101,7 @@ def test_pictures_have_one_scale(page: Any) -> None:
     assert one == pytest.approx(other)
 
 
+@pytest.mark.slow
 def test_the_table_sorts_by_its_heads_and_rows_open(page: Any) -> None:
     page.click("#view-table")
     page.click('th button:has-text("height, mm")')
@@ -118,6 +121,7 @@ def test_a_point_of_the_plot_marks_its_card(page: Any) -> None:
     assert page.locator("#plot circle").count() == 12
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_texts_are_readable_in_both_themes(browser: Any, tmp_path: Path, scheme: str) -> None:
     write_sweep(made(), tmp_path)

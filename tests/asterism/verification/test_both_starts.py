@@ -34,6 +34,7 @@ def other(shape: Shape, more: float, **summary: Any) -> Shape:
     return replace(shape, positions=rolled, summary=shape.summary | {"energy_n_mm": energy} | summary)
 
 
+@pytest.mark.slow
 def test_both_starts_of_a_small_sheet_end_in_one_minimum(released: Shape) -> None:
     said: list[str] = []
     shape = simulate(SMALL, say=said.append)
@@ -86,6 +87,7 @@ def test_a_start_without_a_minimum_is_lost(released: Shape) -> None:
     assert shape.summary["minima"][0]["start_names"] == ["preview"] and shape.summary["is_minimum"]
 
 
+@pytest.mark.slow
 def test_a_fabric_without_a_law_is_released_alone() -> None:
     said: list[str] = []
     free = Design.from_dict(SMALL.to_dict() | {"fabric": {"bending": "none"}, "border": {"rings": 0}})

@@ -30,6 +30,7 @@ def test_release_and_meshes_share_the_steps() -> None:
     assert told[1] == 10 and told[2] == 50 and 50 < told[3] < told[4] < told[6]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("edge_mm", [6.0])
 def test_a_ready_preview_is_not_made_again(edge_mm: float, monkeypatch: pytest.MonkeyPatch) -> None:
     data = asterism.new("dome").to_dict() | {"border": {"rings": 1}, "mesh": {"edge_mm": edge_mm}}

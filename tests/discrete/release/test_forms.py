@@ -103,6 +103,7 @@ def test_flat_sheets_and_single_stars_have_no_roll_axis() -> None:
     assert roll_axis_deg(model(rings=0), model(rings=0).flat_state()) is None
 
 
+@pytest.mark.slow
 def test_a_star_prescribed_down_stays_down() -> None:
     override = [{"star": 0, "branch": "down"}, {"star": 3, "branch": "free"}]
     m = model(stars={"length_mm": 10.0, "thickness_mm": 0.3, "override": override})
@@ -113,6 +114,7 @@ def test_a_star_prescribed_down_stays_down() -> None:
     assert down.energy > up.energy
 
 
+@pytest.mark.slow
 def test_all_stars_down() -> None:
     m = model(rings=0, stars={"length_mm": 10.0, "thickness_mm": 0.3, "branch": "down"})
     assert solve_on_mesh(m).stars_up == 0
@@ -140,6 +142,7 @@ def test_at_least_one_start_is_needed() -> None:
         find_minima(ladder(model(rings=0)), 0)
 
 
+@pytest.mark.slow
 def test_many_starts_find_the_default_minimum_and_others() -> None:
     m = model(rings=0, fabric={"bending": "paper"})
     minima = find_minima(ladder(m), 9)
@@ -151,6 +154,7 @@ def test_many_starts_find_the_default_minimum_and_others() -> None:
     assert minima.distance_percent(default, default) < 1e-6
 
 
+@pytest.mark.slow
 def test_mirrored_minima_are_one_form() -> None:
     m = model()
     found = solve_on_mesh(m, ReleaseStart(bend="roll", axis_deg=20.0, sag_mm=12.0, releases=(1.0,)))
@@ -161,6 +165,7 @@ def test_mirrored_minima_are_one_form() -> None:
     assert distinct_forms(forms, same)[0].starts == tuple("012345")
 
 
+@pytest.mark.slow
 def test_prescribed_stars_decide_which_minimum_is_reported() -> None:
     """Up has less energy, but a minimum with the prescribed star down is the result if there is one."""
     m = model(rings=0, stars={"length_mm": 10.0, "thickness_mm": 0.3, "branch": "down"})
@@ -169,6 +174,7 @@ def test_prescribed_stars_decide_which_minimum_is_reported() -> None:
     assert minima.fine[0].equilibrium.energy > min(b.equilibrium.energy for b in minima.fine[1:])
 
 
+@pytest.mark.slow
 def test_the_image_with_the_prescribed_star_down_is_kept() -> None:
     """Images of a design with one inverted star invert another star. The form with the prescribed star down is kept."""
     override = [{"star": 1, "branch": "down"}]

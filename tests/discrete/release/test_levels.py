@@ -57,6 +57,7 @@ def test_a_coarse_mesh_is_solved_as_accurately_as_the_next_mesh_needs() -> None:
     np.testing.assert_allclose(early.state.rotated(rotation, shift).positions, accurate.state.positions, atol=1e-3)
 
 
+@pytest.mark.slow
 def test_small_models_have_one_level() -> None:
     _, levels = solve_on_meshes(search(3.0))
     assert len(levels) == 1

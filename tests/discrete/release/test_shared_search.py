@@ -18,6 +18,7 @@ def turned(state: State, angle: float) -> State:
     return state.rotated(np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]), np.array([1.0, -2.0, 3.0]))
 
 
+@pytest.mark.slow
 def test_one_state_up_to_rigid_motions_but_not_up_to_mirrors() -> None:
     end = solve_on_mesh(model(3.4), coarse=True)
     assert is_same_state(end, replace(end, state=turned(end.state, 0.7)))

@@ -190,6 +190,7 @@ def test_not_finite(factor, bad):
     assert np.isfinite(factor.solve(np.ones(PATTERN.size))).all()
 
 
+@pytest.mark.slow
 @settings(max_examples=100)
 @given(
     seed=st.integers(0, 2**32 - 1),

@@ -190,6 +190,7 @@ def test_contact_is_refused_in_one_line():
         ReanalysingFactor(Problem(), "amg")
 
 
+@pytest.mark.slow
 def test_eigenvalue_without_a_factorisation(sheet, monkeypatch):
     monkeypatch.setattr(certificate, "MAX_LANCZOS_UNKNOWNS", 0)
     model, found = sheet
@@ -201,6 +202,7 @@ def test_eigenvalue_without_a_factorisation(sheet, monkeypatch):
     assert pair.error < 0.1 * pair.value
 
 
+@pytest.mark.slow
 def test_same_minimum_as_a_factorisation(sheet, monkeypatch):
     """From where the arms start to bend to the certificate."""
     monkeypatch.setattr(certificate, "MAX_LANCZOS_UNKNOWNS", 0)
@@ -216,6 +218,7 @@ def test_same_minimum_as_a_factorisation(sheet, monkeypatch):
     assert other.smallest_eigenvalue == pytest.approx(one.smallest_eigenvalue, rel=1e-4)
 
 
+@pytest.mark.slow
 def test_whole_simulation():
     """Small sheets are factorised by this backend too, so that it can be asked for always."""
     design = gallery.load("star")

@@ -41,6 +41,7 @@ def assert_is_smallest(pair: Eigenpair, matrix: Floats, allowed: Floats) -> None
     assert np.abs(allowed - pair.value).min() <= pair.error + 1e-13 * scale
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("backend", available())
 @settings(max_examples=40)
 @given(

@@ -17,6 +17,7 @@ SQUARE = {False: 0.00406235, True: 0.00126532}
 DISC = {False: (5 + NU) / (1 + NU) / 64, True: 1 / 64}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("clamped", [False, True], ids=["pinned", "clamped"])
 def test_square_plate(clamped: bool) -> None:
     """A square rotated by 25 degrees, far from the origin: oblique edges and corners."""
@@ -31,6 +32,7 @@ def test_square_plate(clamped: bool) -> None:
     assert errors[2] < 2e-5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("clamped", [False, True], ids=["pinned", "clamped"])
 def test_round_plate(clamped: bool) -> None:
     """The rim is a smooth curve: pinned along a polygon, a disc would converge to a wrong deflection."""
@@ -59,6 +61,7 @@ def _ring_rise(inner: float, r: float) -> float:
     return float(r**4 / 64 + factors @ [1.0, r**2, np.log(r), r**2 * np.log(r)])
 
 
+@pytest.mark.slow
 def test_plate_clamped_along_its_hole() -> None:
     """A curved inner edge; the polygons of both circles cause an error of second order."""
     errors = []

@@ -166,6 +166,7 @@ def test_arms_that_overlap_are_a_failed_cell_and_not_tried_again(tmp_path: Path)
     assert told[0].done == 2
 
 
+@pytest.mark.slow
 def test_a_worker_that_dies_ends_the_campaign_in_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(CampaignError, match="worker process has ended"):
         run_campaign(plan(), tmp_path, 2, respond=fake.dies)
@@ -181,6 +182,7 @@ def test_no_law_from_too_few_answers(tmp_path: Path) -> None:
         fit_law(plan(), records)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGINT, pytest.param(signal.SIGKILL, marks=pytest.mark.slow)])
 def test_interrupted_campaigns_leave_whole_files_and_no_workers(
     number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

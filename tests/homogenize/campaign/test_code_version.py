@@ -6,6 +6,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+import pytest
+
 from asterism.homogenize.campaign.kept_samples import SAMPLE_SOURCES
 from tests.test_rooms import package_of
 
@@ -38,6 +40,7 @@ ASIDE = (
 )
 
 
+@pytest.mark.slow
 def test_every_module_that_decides_answers_is_in_it() -> None:
     script = (
         "import sys, asterism.homogenize.cell.sample, asterism.homogenize.cell.motif_responses;"

@@ -29,6 +29,7 @@ def _same(one: TubeBranch, other: TubeBranch) -> None:
     assert a.bump == pytest.approx(b.bump, rel=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("length", "thickness"), STARS)
 def test_both_ways_end_at_the_same_tube(length: float, thickness: float) -> None:
     cell, flat = relaxed(length, thickness)
@@ -80,6 +81,7 @@ def _slight(first: TubeBranch) -> TubeBranch:
     return TubeBranch(first.tubes[:1], None, 1e-4, 1.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("useless", "long_way"), [(_wrong_sign, True), (_falling_moment, True), (_slight, True), (_far_too_little, False)]
 )

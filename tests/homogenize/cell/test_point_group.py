@@ -74,6 +74,7 @@ def test_a_reflection_about_a_mirror_line_maps_the_lattice_onto_itself(kind: str
             np.testing.assert_allclose(nearest_image(image, vectors), 0.0, atol=1e-9)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "turn", [0.0, pytest.param(7.0, marks=pytest.mark.slow), pytest.param(45.0, marks=pytest.mark.slow)]
 )
@@ -109,6 +110,7 @@ def test_the_papers_stars_keep_the_grid(arms: int) -> None:
     np.testing.assert_array_equal(cell_mesh(star, EDGE).triangles, grid.triangles)
 
 
+@pytest.mark.slow
 def test_four_arms_on_a_square_lattice_curl_alike_after_a_quarter_turn(monkeypatch: pytest.MonkeyPatch) -> None:
     """And in a mirror; the rest metric has no shear. All of it before responses are made equal."""
     angles = tuple(np.radians([0.0, 30.0, 60.0, 90.0, 120.0]))
@@ -120,6 +122,7 @@ def test_four_arms_on_a_square_lattice_curl_alike_after_a_quarter_turn(monkeypat
     assert abs(kappa[1] - kappa[0]) > 0.01 * kappa[0]
 
 
+@pytest.mark.slow
 def test_a_flat_cell_that_bends_to_a_saddle_gets_the_symmetry_back() -> None:
     """On this mesh arms of 6 mm break the symmetry by themselves."""
     star = design(6.0, lattice=FOUR)

@@ -86,6 +86,7 @@ def test_tubes_have_the_symmetry_of_the_star():
     np.testing.assert_allclose(energies, energies[0], atol=1e-6 * abs(rise))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("length", "thickness", "turn"), [(10.0, 0.4, 0.0), (7.0, 0.3, 0.0), (10.0, 0.4, 10.0)])
 def test_linear_objective_cell_against_tubes(length, thickness, turn):
     """Second differences of the tube's energy at no curvature, in three directions.
@@ -131,6 +132,7 @@ def test_membrane_against_tubes_of_hardly_any_curvature():
     np.testing.assert_allclose(slopes, strain[:2] / flat.stretch, rtol=2e-3)
 
 
+@pytest.mark.slow
 def test_natural_tube_has_no_moment_and_the_least_energy():
     found = sample(WHOLE, 0.4)
     cell, flat = relaxed(WHOLE, 0.4)

@@ -102,6 +102,7 @@ def test_bare_fabric_bends_as_its_plate() -> None:
     assert q[0, 0] / q[1, 1] == pytest.approx(3.0, rel=0.05) and not own[MOMENT_COLUMNS].any()
 
 
+@pytest.mark.slow
 @settings(max_examples=30)
 @given(
     axis=st.floats(0.0, np.pi),
@@ -182,6 +183,7 @@ def test_no_curvature_is_free_however_little_a_cell_resists() -> None:
 HARD_CELLS = 6
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", range(HARD_CELLS))
 def test_the_fit_of_an_uneven_cell_does_not_depend_on_the_axes(number: int) -> None:
     """Natural curvatures and stiffnesses that differ by a factor of several between directions."""

@@ -25,6 +25,7 @@ def scipy_slopes(nodes: Floats, values: Floats, axis: int, rule: SlopeRule) -> F
     return np.asarray(Akima1DInterpolator(nodes, values, axis=axis, method="makima").derivative()(nodes))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("rule", ["monotone", "smooth", "spline"])
 @settings(deadline=None, max_examples=60)
 @given(steps=STEPS, data=st.data())

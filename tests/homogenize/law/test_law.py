@@ -76,6 +76,7 @@ def test_cells_of_the_plan_are_met_exactly() -> None:
         assert np.abs(values.value[name] - nodes).max() <= 1e-13 * np.abs(nodes).max(), name
 
 
+@pytest.mark.slow
 @given(st.floats(0.1, 11.9), st.floats(0.21, 0.59), st.floats(0.81, 1.59))
 @settings(max_examples=60)
 def test_slopes_are_derivatives(length: float, thickness: float, width: float) -> None:
@@ -93,6 +94,7 @@ def test_slopes_are_derivatives(length: float, thickness: float, width: float) -
             assert np.abs(slope - found.slope[name][:, axis]) < scale, name
 
 
+@pytest.mark.slow
 @given(st.lists(st.floats(0, 1), min_size=4, max_size=9), st.floats(0, 1), st.floats(0, 1))
 @settings(max_examples=60)
 def test_monotone_along_lines_of_the_grid(steps: list[float], a: float, b: float) -> None:
@@ -157,6 +159,7 @@ def test_one_length_answers_for_itself_and_not_for_shorter_arms(lengths: list[fl
     assert load_law(tmp_path / "own.npz").at(1.35)(9.0, 0.3, 1.2).inside.all()
 
 
+@pytest.mark.slow
 def test_cells_that_begin_far_from_bare_fabric_are_tested_where_they_are() -> None:
     """A fifth of the spacing of 17.3 mm is near."""
     far, near = (law(lengths_mm=[first, 6.0, 8.0, 10.0]) for first in (3.6, 3.4))
@@ -182,6 +185,7 @@ def test_the_contraction_of_a_tube_is_that_of_its_area() -> None:
     assert sample_quantities(sample, 1.35)[QUANTITY_NAMES.index("lam_n")] == pytest.approx(np.sqrt(0.72), rel=1e-12)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fails", [lambda h: h < 0.3, lambda h: h > 0.3])
 def test_a_cell_with_an_answer_is_inside_whichever_side_has_none(fails: Any) -> None:
     def beside(design: Design, edge_mm: float) -> fake.Answer:
@@ -225,6 +229,7 @@ def test_sheets_that_hardly_curl_have_no_sixfold_part() -> None:
         assert sample_quantities(cell | rolled, 1.35)[QUANTITY_NAMES.index("c3")] == sixfold
 
 
+@pytest.mark.slow
 def test_tight_sheets_are_marked_and_keep_their_values() -> None:
     values = LAW.at(1.35)(np.array([2.0, 12.0]), 0.2, 1.2)
     curls = 17.320508 * values.value["kappa"]
@@ -439,6 +444,7 @@ def test_stiffness_follows_the_modulus() -> None:
     assert hard.value["kappa"] == soft.value["kappa"] and hard.value["lam"] == soft.value["lam"]
 
 
+@pytest.mark.slow
 def test_cells_that_are_held_out_do_not_make_the_law() -> None:
     def else_elsewhere(design: Design, edge_mm: float) -> fake.Answer:
         answer = fake.solve_cell(design, edge_mm)
@@ -470,6 +476,7 @@ def test_a_law_needs_an_answer_of_half_of_its_cells() -> None:
         law(below(2.0), lengths_mm=lengths)
 
 
+@pytest.mark.slow
 def test_bare_fabric_has_an_answer_where_short_arms_have_none() -> None:
     def fails_when_short(design: Design, edge_mm: float) -> fake.Answer:
         short = 0.0 < float(design.stars.length_mm) < 3.0  # type: ignore[arg-type]
@@ -479,6 +486,7 @@ def test_bare_fabric_has_an_answer_where_short_arms_have_none() -> None:
     assert table([0.0, 0.5, 5.0], 0.3, 1.2).inside.tolist() == [True, False, True]
 
 
+@pytest.mark.slow
 def test_sheets_that_curl_tightly_to_the_other_side_are_marked_too() -> None:
     def other_side(design: Design, edge_mm: float) -> fake.Answer:
         answer = fake.curls_more(design, edge_mm)

@@ -133,6 +133,7 @@ def test_damaged_files_and_designs_of_the_other_kind_are_refused(law: MotifLaw, 
         law.check(Design.from_dict({"stars": {"length_mm": 8.0}, "border": {"rings": 1}}))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("change", "message"),
     [

@@ -14,6 +14,7 @@ steps = st.floats(-40.0, 40.0)
 
 
 # equilateral but for rounding, as users type it
+@pytest.mark.slow
 @example((11.0, -18.4), (21.43486742963367, 0.3262794416288255))
 @given(st.tuples(steps, steps), st.tuples(steps, steps))
 @settings(max_examples=50)

@@ -143,6 +143,7 @@ def test_points_beside_the_plastic_are_on_it(written, place):
     assert mesh.points[mesh.pin_vertices[0][0]] == pytest.approx(held.points[0], abs=1e-9)
 
 
+@pytest.mark.slow
 def test_many_pins_agree_soon():
     """A thousand sets of one point or one edge, as many as are allowed, and one that is wrong."""
     corners = [[200 * np.cos(t), 200 * np.sin(t)] for t in 2 * np.pi * np.arange(1000) / 1000]

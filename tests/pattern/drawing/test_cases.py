@@ -197,6 +197,7 @@ def test_a_stretched_stroke_matters_for_widths_only(tmp_path: Path) -> None:
         Design.from_dict({"rods": {"import": [rods]}, "border": {"rectangle_mm": [99, 99]}}, tmp_path)
 
 
+@pytest.mark.slow
 def test_lines_of_a_cad_program_are_an_outline(tmp_path: Path) -> None:
     assert outline_size(dxf(tmp_path, sides)) == pytest.approx([80.0, 60.0])
     assert outline_size(dxf(tmp_path, lambda space: sides(space, 0.003))) == pytest.approx([80.0, 60.0], abs=0.01)
@@ -373,6 +374,7 @@ def test_numbers_that_are_no_places_are_refused(place: float, tmp_path: Path) ->
         read(dxf(tmp_path, lambda space: space.add_line((0, 0), (1e6, 0))))
 
 
+@pytest.mark.slow
 def test_shapes_beyond_reason_are_refused_at_once(tmp_path: Path) -> None:
     def spline(space: Any, place: float) -> None:
         curve = space.add_spline(degree=3)
@@ -425,6 +427,7 @@ def test_what_is_no_text_dxf_is_named(content: bytes, kind: str, tmp_path: Path)
         read(tmp_path / "x.dxf")
 
 
+@pytest.mark.slow
 def test_endless_drawings_end_in_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for reader in ("svg", "dxf"):
         monkeypatch.setattr(f"asterism.pattern.drawing.{reader}.MAX_ELEMENTS", 5000)

@@ -58,6 +58,7 @@ KINDS = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "pins", "count"), KINDS, ids=[kind[0] for kind in KINDS])
 def test_each_kind_of_support_leaves_its_motions(name: str, pins: list[dict[str, Any]], count: int) -> None:
     """A fit takes them out, and it takes out these alone."""
@@ -81,6 +82,7 @@ def test_each_kind_of_support_leaves_its_motions(name: str, pins: list[dict[str,
     assert moved_by == 0.0 if still else moved_by > 0.01
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "pins", "count"), KINDS, ids=[kind[0] for kind in KINDS])
 def test_a_fit_is_the_best_of_the_free_motions(name: str, pins: list[dict[str, Any]], count: int) -> None:
     """Small free motions from there bring the sheet no nearer; all rigid motions may."""

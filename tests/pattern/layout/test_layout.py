@@ -323,6 +323,7 @@ def test_an_arm_along_a_corner_goes_on_behind_it(corner):
     assert right[0] == pytest.approx(11.5, abs=1e-6)
 
 
+@pytest.mark.slow
 def test_a_long_sheet_across_is_no_larger_than_it_is():
     strip = [[-2400, -2400], [-2370, -2400], [2400, 2370], [2400, 2400], [2370, 2400], [-2400, -2370]]
     sheet = lay(border={"polygon_mm": strip}, stars={"length_mm": 5}, lattice={"spacing_mm": 10}, mesh={"edge_mm": 5})

@@ -151,6 +151,7 @@ def flower(turn_deg: float, lobes: int = 5) -> dict[str, Any]:
     return {"rods": {"draw": [rim]}, "border": {"rods": "rim"}}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("data", "expected"),
     [

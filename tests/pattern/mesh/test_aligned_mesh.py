@@ -49,12 +49,14 @@ def test_hexagon_of_rings(n, edge):
     sound(rings(n, 10.0), edge, 43)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("k", range(5, 17))
 @pytest.mark.parametrize("length", [3.0, 4.5, 6.0, 8.0, 9.0, 11.0, 12.0])
 def test_any_length_and_edge(k, length):
     sound(rings(1, length), D / k, 36)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("border", [L_SHAPE, SLANTED, RECTANGLE, ROUND, 0.97 * hexagon(2)])
 @pytest.mark.parametrize("length", [4.0, 10.0, 13.0])
 @pytest.mark.parametrize("edge", [1.5, 2.3])
@@ -129,6 +131,7 @@ def test_unequal_arms_share_a_link():
     assert mesh.rods[0][-1] == mesh.rods[3][-1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("length", "edge"), [(6.0, 2.0), (5.0, 1.6), (4.0, 1.3)])
 @pytest.mark.parametrize("spacing", [16.0, D])  # grid points of the first one are exact, so that squares are too
 def test_square_lattices_have_the_symmetry_of_the_square(length: float, edge: float, spacing: float) -> None:
@@ -151,6 +154,7 @@ def test_rectangular_lattices_have_both_mirrors() -> None:
         assert same_after(mesh, mesh.points * mirror)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["u-shape", "roof", "tunnel"])
 def test_a_draft_will_do(name):
     sheet = build.layout(gallery.load(name))
@@ -200,6 +204,7 @@ def test_eight_arms_do_not_fit_a_square_grid():
         aligned_mesh(sheet, 2.0)
 
 
+@pytest.mark.slow
 @settings(max_examples=25)
 @given(
     st.integers(0, 2),

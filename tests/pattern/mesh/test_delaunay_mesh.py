@@ -37,6 +37,7 @@ def sound(sheet: Layout, edge: float, angle: float) -> Mesh:
     return mesh
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n", [0, 1, 3])
 @pytest.mark.parametrize("length", [2.0, 5.5, 10.0, 13.0, 15.0])
 @pytest.mark.parametrize("edge", [3.0, 1.5])
@@ -52,6 +53,7 @@ def test_edges_are_as_long_as_wished(edge):
     assert len(mesh.triangles) == pytest.approx(polygon_area(sheet.outline) / (np.sqrt(3) / 4 * edge**2), rel=0.25)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("border", [L_SHAPE, SLANTED, RECTANGLE, ROUND])
 @pytest.mark.parametrize("length", [4.0, 10.0])
 def test_any_border(border, length):
@@ -83,6 +85,7 @@ def test_tip_on_a_star_shares_its_vertex():
     assert len({int(rod[-1]) for rod in mesh.rods} & {*mesh.star_vertices.tolist()}) > 3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gap", [0.05, 0.2, 0.6])
 def test_small_gaps_are_refined(gap):
     """Between a tip and the next star, and between two tips."""

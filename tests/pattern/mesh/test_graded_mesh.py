@@ -46,6 +46,7 @@ def finer_at_arms(even, mesh):
     return np.quantile(heights(mesh), 0.25) < 0.85 * np.quantile(heights(even), 0.25)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("k", [7, 10, 14])
 @pytest.mark.parametrize("length", [7.0, 10.0, 13.0])
 @pytest.mark.parametrize("kind", ["aligned", "delaunay"])
@@ -54,6 +55,7 @@ def test_the_same_triangles_but_finer_at_the_arms(k, length, kind):
     assert mesh.kind == kind and finer_at_arms(even, mesh)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("border", [L_SHAPE, SLANTED, RECTANGLE, ROUND, TRIANGLE, T_SHAPE])
 @pytest.mark.parametrize("length", [6.0, 10.0, 13.0])
 @pytest.mark.parametrize("edge", [1.7, 2.4, 5.0])
@@ -64,12 +66,14 @@ def test_any_outline_stays_aligned(border, length, edge):
     patches(mesh.triangles, mesh.points)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("gap", [0.0, 0.1, 0.5, 1.0])
 def test_arms_that_end_at_the_outline_or_just_inside(gap):
     for kind in ("auto", "delaunay"):
         sound(rings(1, 15.0 - gap), 2.4, kind)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("directions", [(0.0, 90.0, 180.0, 270.0), SIX])
 def test_squares_and_other_stars(directions):
     vectors = D * np.eye(2) if len(directions) == 4 else D * unit([30.0, 90.0])
@@ -124,6 +128,7 @@ def test_vertices_crowd_at_the_tip():
     assert steps.sum() == pytest.approx(10.0)
 
 
+@pytest.mark.slow
 @settings(max_examples=25)
 @given(st.data())
 def test_any_polygon(data):

@@ -138,6 +138,7 @@ def test_refused_options(options):
 COORDINATE = st.one_of(st.integers(0, 4).map(float), st.floats(0, 4), st.integers(0, 4).map(lambda i: i + 1e-8))
 
 
+@pytest.mark.slow
 @settings(max_examples=120)
 @given(
     st.lists(st.tuples(COORDINATE, COORDINATE), min_size=3, max_size=12),
@@ -163,6 +164,7 @@ def test_any_input(points, segments, framed, angle, area, holes):
         assert areas.sum() == pytest.approx(36)
 
 
+@pytest.mark.slow
 @settings(max_examples=100)
 @given(st.lists(st.floats(0.05, 1), min_size=3, max_size=30), st.sampled_from([None, 20, 30]))
 def test_star_polygons(radii, angle):

@@ -41,6 +41,7 @@ KEYS = ("radius", "closed", "line_mm", "join_mm", "curve_mm", "holes", "rods", "
 MAX_VERTICES = 20_000
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("first", range(0, 60, 20))
 def test_a_mutated_design_is_meshed_or_refused_in_one_line(first: int) -> None:
     for number in range(first, first + 20):

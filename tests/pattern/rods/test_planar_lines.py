@@ -73,6 +73,7 @@ def test_lines_on_each_other_are_refused_by_name_and_place() -> None:
         cut(line((0, 0), (10, 0)), line((2, 0), (7, 0)))
 
 
+@pytest.mark.slow
 def test_a_scribble_is_refused_before_all_its_crossings_are_computed() -> None:
     """200 million of them would take more than the memory."""
     scribble = np.random.default_rng(0).uniform(-45.0, 45.0, (20_000, 2))

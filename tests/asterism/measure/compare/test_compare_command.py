@@ -64,6 +64,7 @@ def test_a_scan_that_fits_nowhere_ends_with_1(folder: Path, cli: Cli) -> None:
     assert (folder / "cloud-compared" / "summary.json").is_file()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scale", [1.0, pytest.param(1.08, marks=pytest.mark.slow)])
 def test_a_scan_of_another_size(folder: Path, scale: float, cli: Cli) -> None:
     trimesh.Trimesh(SHAPE.positions * scale, SHAPE.triangles, process=False).export(folder / "scan.ply")
@@ -72,6 +73,7 @@ def test_a_scan_of_another_size(folder: Path, scale: float, cli: Cli) -> None:
     assert ("perhaps another size" in done.out and "1.08" in done.out) is (scale != 1.0)
 
 
+@pytest.mark.slow
 def test_an_outline_from_above(folder: Path, cli: Cli) -> None:
     corners = np.array([[-50, -40], [50, -40], [50, 40], [-50, 40]]) * 1.02 + [10, 20]
     (folder / "outline.csv").write_text("x_mm,y_mm\n" + "".join(f"{x:.2f},{y:.2f}\n" for x, y in corners))

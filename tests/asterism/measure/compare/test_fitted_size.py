@@ -56,6 +56,7 @@ def test_one_side_of_a_roll_is_no_other_size() -> None:
         assert size.lifted_rms_mm < 0.6 * size.rms_mm if scale == 1.0 else size.lifted_rms_mm > size.rms_mm
 
 
+@pytest.mark.slow
 def test_a_scan_is_lifted_by_no_more_than_a_sheet_is_thick() -> None:
     """By 2 mm: what lies farther off is no other side of the sheet."""
 

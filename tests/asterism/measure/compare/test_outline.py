@@ -119,6 +119,7 @@ def test_silhouettes() -> None:
     assert np.ptp(low[:, 0]) > 2 * np.ptp(low[:, 1])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("turn", [0.3, 2.0, 4.5])
 def test_known_motions_are_undone(turn: float) -> None:
     corners = np.array([[0, 0], [90, 0], [90, 40], [40, 60], [0, 40]], dtype=float)
@@ -129,11 +130,13 @@ def test_known_motions_are_undone(turn: float) -> None:
     assert np.abs(found.distance).max() < 0.05 and found.missed.max() < 0.05
 
 
+@pytest.mark.slow
 def test_mirrored_outlines_stay_mirrored() -> None:
     corners = np.array([[0, 0], [90, 0], [90, 40], [40, 60], [0, 20]], dtype=float)
     assert np.abs(fit_outline(corners * [-1, 1], corners).distance).max() > 3
 
 
+@pytest.mark.slow
 def test_a_larger_outline_is_outside() -> None:
     corners = np.array([[0, 0], [90, 0], [90, 40], [0, 40]], dtype=float)
     larger = shapely.get_coordinates(shapely.buffer(shapely.Polygon(corners), 2.0, join_style="mitre"))[:-1]

@@ -87,6 +87,7 @@ def test_what_is_measured() -> None:
     assert covered == pytest.approx(100 / 3, abs=4)
 
 
+@pytest.mark.slow
 def test_a_sheet_like_itself_from_two_sides_says_two() -> None:
     """A scan without noise too, where nothing but the registration's own error is left."""
     shape = sheet(saddle, edge=3.0)

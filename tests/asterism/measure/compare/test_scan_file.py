@@ -110,6 +110,7 @@ def stl_text(name: str = "a") -> bytes:
     return f"solid {name}\n{facets}endsolid {name}\n".encode("latin-1")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "content"),
     [

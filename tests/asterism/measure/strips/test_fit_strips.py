@@ -277,6 +277,7 @@ def test_what_a_material_does_not_change_is_said(tmp_path: Path) -> None:
         load_material(file)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("blank_pictures")
 def test_simulate_takes_a_material(tmp_path: Path, cli: Cli) -> None:
     (tmp_path / "d.toml").write_text("[stars]\nlength_mm = 10.0\n[border]\nrings = 0\n[mesh]\nedge_mm = 4.0\n")

@@ -98,6 +98,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_stl_holds_forty_closed_boxes_in_mm(folder: Path) -> None:
     mesh = trimesh.load_mesh(folder / "strips.stl")
     assert mesh.is_watertight
@@ -137,6 +138,7 @@ def test_the_sheet_says_what_to_do_and_has_every_strip(folder: Path) -> None:
     assert all(str(number) in words for number in range(1, 41)) and "peeled" in words
 
 
+@pytest.mark.slow
 def test_the_nozzle_starts_on_the_fabric(folder: Path, tmp_path: Path, cli: Cli) -> None:
     """4 mm of plate and 0.8 of fabric, or what the options say; in the start code, on the page and in the terminal."""
     from asterism.print.printer import load_printer
@@ -168,6 +170,7 @@ def test_the_table_waits_to_be_filled_in(folder: Path, tmp_path: Path) -> None:
     assert (reading.strip, reading.thickness_mm, reading.stretch, reading.peeled) == ("1", 0.3, 1.35, False)
 
 
+@pytest.mark.slow
 def test_the_slicer_gets_the_layers_of_the_strips(tmp_path: Path) -> None:
     """As in print.3mf of an export: a profile with other layers or fewer walls does not change them."""
     written = new_strips(tmp_path, count=1)
@@ -180,6 +183,7 @@ def test_the_slicer_gets_the_layers_of_the_strips(tmp_path: Path) -> None:
         assert settings["extrusion_width"] == "0.4" and settings["fill_density"] == "100%"
 
 
+@pytest.mark.slow
 def test_a_table_with_measurements_is_kept(tmp_path: Path, cli: Cli) -> None:
     words = ["strips", "new", "-o", str(tmp_path / "a")]
     assert cli(words).status == 0

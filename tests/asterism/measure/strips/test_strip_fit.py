@@ -61,6 +61,7 @@ def test_the_papers_strips_give_3200(seed: int) -> None:
     assert 0.44 < fit.ratio["timoshenko"].value / found.value < 0.5
 
 
+@pytest.mark.slow
 @settings(max_examples=20)
 @given(
     ratio=st.floats(500, 20000),
@@ -79,6 +80,7 @@ def test_strips_without_errors_give_their_material(
         assert fit.kappa_bar[None].value == pytest.approx(kept, abs=1e-8)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("case", "kappa_bar", "is_peeled"),
     [
@@ -113,6 +115,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say(
     assert sum(len(fit.outliers) > 0 for fit in fits) <= 10
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("case", [{}, {"off_mm": 0.01}])
 def test_strips_in_two_directions_give_both_moduli_as_often_as_their_intervals_say(case: dict[str, Any]) -> None:
     held = np.zeros(2)

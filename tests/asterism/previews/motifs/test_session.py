@@ -51,6 +51,7 @@ def test_rods_lie_along_the_triangles_with_their_sizes() -> None:
     assert shape.rod_fields["thickness_mm"] == pytest.approx(np.clip(0.45 + 0.0025 * middle, 0.4, 0.5), abs=1e-3)
 
 
+@pytest.mark.slow
 def test_sizes_are_edited_without_new_cells(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("ASTERISM_CELLS", str(tmp_path))
     said: list[str] = []

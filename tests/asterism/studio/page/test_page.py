@@ -20,6 +20,7 @@ def saved_height(page: StudioPage) -> float:
     return float(asterism.simulate(design, near=asterism.preview(design)).height_mm)
 
 
+@pytest.mark.slow
 def test_painting_changes_the_shape_as_the_saved_file_and_undo_brings_the_sizes_back(page: StudioPage) -> None:
     page.open("gallery-dome")
     page.summarised()
@@ -92,6 +93,7 @@ def test_reload_and_a_second_tab_show_the_same_state(new_page: Callable[[], Stud
     assert first.get("studio.sizes") == second.get("studio.sizes")
 
 
+@pytest.mark.slow
 def test_stars_are_changed_by_keyboard_alone(page: StudioPage) -> None:
     page.open("gallery-dome")
     before = page.get("studio.sizes")

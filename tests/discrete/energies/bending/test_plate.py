@@ -125,6 +125,7 @@ FILLING = {mesh for mesh, make in MESHES.items() if abs(area(*make(1.0)).sum() /
 CASES = [(mesh, surface) for mesh in MESHES for surface in SURFACES if surface != "saddle" or mesh in FILLING]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("mesh", "surface"), CASES)
 def test_energy_of_a_surface_converges(mesh, surface):
     """Whole sheets on surfaces with slopes up to 45 degrees: the error is of second order in the edge."""
@@ -272,6 +273,7 @@ def strip(mesh: str, edge: float, load: float) -> tuple[float, float]:
     return -tip[2] / length, (tip[0] - edge) / length
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("load", "across", "along"), [(1.0, 0.123471, 0.991246), (5.0, 0.495905, 0.846657)])
 def test_heavy_cantilever(load, across, along):
     """V6 by a strip of fabric with nu = 0; the position of the clamp is uncertain by half an edge."""

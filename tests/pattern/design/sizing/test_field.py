@@ -126,6 +126,7 @@ def test_large_picture_is_scaled_down(tmp_path):
     assert sample(field, np.zeros((1, 2))) == pytest.approx(9)  # transparent is paper
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("error::UserWarning", "error::RuntimeWarning")
 @pytest.mark.parametrize("side", [9500, 14_000])
 def test_pictures_of_too_many_pixels_are_said_to_be(side, tmp_path):
