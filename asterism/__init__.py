@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from asterism.notebook.show import show as show
     from asterism.pattern.design.design import Design as Design
     from asterism.pattern.design.design import save_design as save_design
-    from asterism.pattern.gallery import load as _new
+    from asterism.pattern.gallery import load as new
     from asterism.pattern.layout.build import load_design as load_design
     from asterism.previews.session import Preview as Preview
     from asterism.previews.session import preview as preview
@@ -58,14 +58,12 @@ if TYPE_CHECKING:
     from asterism.reports.write_results import write_results as write_results
     from asterism.shape.read_shape import read_shape as read_shape
     from asterism.shape.shape import Shape as Shape
-    from asterism.sweeps.run import sweep_design as _sweep
+    from asterism.sweeps.run import sweep_design as sweep
     from asterism.sweeps.sweep import Sweep as Sweep
     from asterism.sweeps.sweep import write_sweep as write_sweep
     from asterism.verification.both_starts import simulate as simulate
     from asterism.verification.run import verify as verify
     from asterism.verification.verification import Verification as Verification
-
-    new, sweep = _new, _sweep
 
 # Where each public name is defined. It is imported when it is first used: the solvers take most of a second.
 _HOMES = {
@@ -111,7 +109,8 @@ _HOMES = {
     "write_sweep": "asterism.sweeps.sweep:write_sweep",
     "write_verification": "asterism.reports.verification_page:write_verification",
 }
-__all__ = ["__version__", *_HOMES]
+# type checkers take an import under another name as public only if it is written out here
+__all__ = ["__version__", "new", "sweep", *_HOMES]
 
 
 def __dir__() -> list[str]:
