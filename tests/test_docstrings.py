@@ -13,7 +13,10 @@ from tests.test_rooms import FILES
 
 MODULES = [name for name, file in FILES.items() if ">>> " in file.read_text(encoding="utf-8")]
 # examples that take seconds
-LONG = {"asterism.fitting.fit", "asterism.fitting.solve_for", "asterism.measure.compare.compare"}
+LONG = {
+    *("asterism.exact.spread", "asterism.print.export", "asterism.verification.both_starts"),
+    *("asterism.fitting.fit", "asterism.fitting.solve_for", "asterism.measure.compare.compare"),
+}
 
 
 @pytest.mark.parametrize(

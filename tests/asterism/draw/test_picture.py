@@ -48,6 +48,7 @@ def test_every_shape_gives_a_full_picture_on_white(place) -> None:  # type: igno
     assert (image[:, 1240:] < 0.99).any(axis=-1).mean() > 0.1
 
 
+@pytest.mark.slow
 def test_a_flat_sheet_is_a_line_from_the_side() -> None:
     """A straight row of ink above its words, as wide as the sheet seen from above."""
     ink = image_of(sheets.sheet(sheets.flat, edge=4.0)).min(axis=2)[:, 1260:] < 0.6
@@ -58,6 +59,7 @@ def test_a_flat_sheet_is_a_line_from_the_side() -> None:
     assert np.ptp(np.flatnonzero(ink[lowest])) == pytest.approx(np.ptp(np.flatnonzero(above.any(axis=0))), abs=4)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("rough")
 def test_pictures_do_not_change_from_run_to_run() -> None:
     shape = sheets.sheet(sheets.dome, edge=5.0)
@@ -80,6 +82,7 @@ def test_each_side_has_its_colour() -> None:
         assert np.allclose(middle / middle.max(), np.array(colour) / max(colour), atol=0.03)
 
 
+@pytest.mark.slow
 def test_arms_are_seen_from_the_plastic_side_only_at_their_width() -> None:
     shape = sheets.sheet(sheets.flat, edge=1.0)
     row = np.abs(shape.printed[:, 1] - shape.printed[np.linalg.norm(shape.printed, axis=1).argmin(), 1]) < 1e-9
@@ -135,6 +138,7 @@ def test_the_caption_of_a_preview_says_that_it_is_one(said: dict[str, Any], word
     assert caption(shape).endswith(words) and "minimum" not in caption(shape)
 
 
+@pytest.mark.slow
 @pytest.mark.usefixtures("rough")
 def test_names_are_printed_as_they_are() -> None:
     """Dollar signs and all: no mathematics."""

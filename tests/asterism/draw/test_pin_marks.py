@@ -65,6 +65,7 @@ def test_sheets_without_known_pins_have_no_marks(shape: Shape) -> None:
     assert len(points) == len(normals) == len(triangles) == 0
 
 
+@pytest.mark.slow
 def test_pictures_show_them() -> None:
     def red(shape: Shape) -> float:
         colours = np.asarray(Image.open(BytesIO(shape._repr_png_())).convert("RGB")).astype(float)

@@ -67,6 +67,7 @@ def test_shares_are_those_of_the_formula() -> None:
 LENGTHS = st.dictionaries(st.integers(0, len(PLAN.sheet_sites) - 1), st.floats(0.0, 11.0), min_size=1, max_size=6)
 
 
+@pytest.mark.slow
 @settings(max_examples=10)
 @given(st.lists(LENGTHS, min_size=1, max_size=3))
 def test_shares_that_follow_edits_are_those_computed_anew(edits: list[dict[int, float]]) -> None:

@@ -160,6 +160,7 @@ def test_free_sheets_say_that_an_edit_keeps_their_form(name: str, said: bool) ->
     assert told == [False, said]
 
 
+@pytest.mark.slow
 def test_pins_on_arms_go_with_them() -> None:
     """A pin beside a tip is on it; where the arm becomes shorter it is beside again."""
     pins = {"pins": [{"points_mm": [[0.0, -9.8], [-20.0, -15.0], [20.0, -15.0]]}], "border": {"rings": 2}}

@@ -64,6 +64,7 @@ def test_drawings_without_a_preview_name_the_option_for_exact_shapes(tmp_path: P
     assert problem == f"{without}; the exact model may compute it: --exact"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("order", [(0, 1), (1, 0)])
 def test_prints_with_one_outline_have_a_distance_whatever_stars_they_have(
     order: tuple[int, int], tmp_path: Path
@@ -114,6 +115,7 @@ def test_pictures_of_a_row_have_one_scale(compared: tuple[DesignsComparison, str
     assert wide[0] / extents[0] == pytest.approx(wide[1] / extents[1], rel=0.03)
 
 
+@pytest.mark.slow
 def test_equal_designs_say_so_and_have_different_headings(tmp_path: Path) -> None:
     result = compare_designs([small(), small()], tmp_path / "x.html")
     assert [each.name for each in result.designs] == ["small (1)", "small (2)"]

@@ -103,6 +103,7 @@ def test_random_edits_have_a_shape_or_a_reason() -> None:
     engine.close()
 
 
+@pytest.mark.slow
 def test_an_engine_serves_in_a_process_gives_signs_and_ends_with_its_pipe() -> None:
     context = multiprocessing.get_context("spawn")
     ours, theirs = context.Pipe()

@@ -61,6 +61,7 @@ def test_undo_and_kept_designs_go_back_to_their_form(page: Page, studio: Studio)
     assert last_edit(studio).snapshot == b"form" and last_edit(studio).is_opened
 
 
+@pytest.mark.slow
 def test_what_a_page_asks_for_a_design_is_refused_when_another_one_is_open(
     client: TestClient, page: Page, studio: Studio, folder: Path
 ) -> None:
@@ -93,6 +94,7 @@ def test_what_a_page_asks_for_a_design_is_refused_when_another_one_is_open(
     assert other.read_bytes() == gallery.path("cone").read_bytes()
 
 
+@pytest.mark.slow
 def test_target_and_kept_designs_go_with_their_design(client: TestClient, page: Page, studio: Studio) -> None:
     page.until("shape")
     send_roof(client)

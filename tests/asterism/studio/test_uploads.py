@@ -66,6 +66,7 @@ def test_units_and_curves_of_a_dxf(client: TestClient):
     assert 20 < len(corners) < 200
 
 
+@pytest.mark.slow
 def test_an_outline_in_svg(client: TestClient):
     content = b'<svg xmlns="http://www.w3.org/2000/svg" width="200mm" height="200mm" viewBox="0 0 200 200">'
     content += b'<rect x="10" y="20" width="100" height="60"/></svg>'
@@ -88,6 +89,7 @@ def test_drawings_without_an_outline_are_refused_in_one_line(client: TestClient)
         assert answer.status_code == 422 and "\n" not in answer.json()["problem"]["text"], content[-200:]
 
 
+@pytest.mark.slow
 def test_a_grey_picture_becomes_a_profile(client: TestClient, page: Page):
     out = BytesIO()
     Image.fromarray(np.tile(np.linspace(0, 255, 40), (20, 1)).astype(np.uint8)).save(out, "PNG")

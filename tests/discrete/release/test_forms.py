@@ -187,6 +187,7 @@ def test_the_image_with_the_prescribed_star_down_is_kept() -> None:
     assert len(kept) == 1 and kept[0].equilibrium is mine and kept[0].starts == ("mine", "other")
 
 
+@pytest.mark.slow
 def test_flat_stars_are_on_no_side() -> None:
     """Bumps within rounding do not split a flat state into several forms."""
     m = model()

@@ -170,6 +170,7 @@ def test_impossible_fields_are_refused_with_place_and_value() -> None:
         Shell(Argyris(hexagon(0)), Fields(density(), gaussian=np.nan))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("gaussian", "tried"), [(0.0, [4, 16]), (-73.0, [])])  # five times the limit of definiteness
 def test_a_sheet_that_collapses_is_not_followed_in_load_steps(
     gaussian: float, tried: list[int], monkeypatch: pytest.MonkeyPatch

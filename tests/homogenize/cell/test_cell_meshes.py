@@ -173,6 +173,7 @@ def test_arms_along_the_lattice_are_so_in_any_basis(basis, arms):
     assert triangle_areas(torus.points, torus.triangles).min() > 0.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("edge", [0.667, 1.2, 2.0, 3.0])
 @pytest.mark.parametrize(
     ("lattice", "length"),

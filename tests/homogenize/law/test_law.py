@@ -197,6 +197,7 @@ def test_a_cell_with_an_answer_is_inside_whichever_side_has_none(fails: Any) -> 
     assert not table(10.0, 0.25 if fails(0.2) else 0.35, 1.0).inside.any()
 
 
+@pytest.mark.slow
 def test_a_single_cell_without_an_answer_is_bridged_along_its_line() -> None:
     def one_gap(design: Design, edge_mm: float) -> fake.Answer:
         gap = design.stars.length_mm == 6.0 and design.stars.thickness_mm == 0.3

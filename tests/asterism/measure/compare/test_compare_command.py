@@ -91,6 +91,7 @@ def draw(path: Path, size: str, more: str = "") -> None:
     path.write_text(f'<svg xmlns="http://www.w3.org/2000/svg" {size} viewBox="0 0 120 100">{shapes}</svg>')
 
 
+@pytest.mark.slow
 def test_an_outline_among_other_lines(folder: Path, cli: Cli) -> None:
     """A picture's frame may be the largest."""
     draw(folder / "o.svg", 'width="120mm" height="100mm"', '<rect width="120" height="100"/>')

@@ -53,6 +53,7 @@ def test_inside_the_shares_add_up_and_have_no_jumps() -> None:
     assert top[:, 0] == pytest.approx(top[:, 1], abs=0.03)
 
 
+@pytest.mark.slow
 def test_a_narrow_kernel_gives_the_cells_themselves(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("asterism.previews.fields.star_cells.MIN_WIDTH", 0.005)
     points = np.random.default_rng(0).uniform(-30, 30, (300, 2))
