@@ -200,11 +200,11 @@ def completed_by_rods(stiffness: Floats, rods: Floats) -> Floats:
 def rod_bending(design: Design, deformation: Floats) -> Floats:
     """(3, 3) N mm, bending stiffness of a motif's rods per printed area, for curvatures 11, 22 and 2 x 12 of the print.
 
-    It tells what tubes of the cell cannot. Their energy has no term of the Gaussian curvature det K, so they give the
-    stiffness up to a multiple of det K: Q12 may grow by c while Q33 falls by c/2. In a sheet of rods on a surface of
-    the curvature b, a rod of direction t bends by `t . b t` and twists by `t . b n`. Rods bonded at points, in fabric
-    too soft to count, take the stiffness `B (t . b t)^2 + T (t . b n)^2` per length each, which has all entries.
-    With F, the (2, 2) deformation of the flat sheet, the print's curvature K is `F^T b F`.
+    The tubes of the cell leave one number of its stiffness open. Their energy has no term of the Gaussian curvature
+    det K, so they give the stiffness up to a multiple of det K: Q12 may grow by c while Q33 falls by c/2. In a sheet
+    of rods on a surface of the curvature b, a rod of direction t bends by `t . b t` and twists by `t . b n`. Rods
+    bonded at points, in fabric too soft to count, take the stiffness `B (t . b t)^2 + T (t . b n)^2` per length each,
+    which has all entries. With F, the (2, 2) deformation of the flat sheet, the print's curvature K is `F^T b F`.
 
     Raises
     ------

@@ -10,7 +10,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
-from typing import Any, Literal, TypeAlias
+from typing import Any, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -116,6 +116,15 @@ class CellTask:
     def is_bare(self) -> bool:
         """Whether the star has no arms, so that the cell is the bare fabric."""
         return bool(self.sizes) and self.sizes[0] == 0.0
+
+
+class Trait(NamedTuple):
+    """A value of a design that its cells depend on."""
+
+    field: str  # of the design file
+    kind: str  # "material", "lattice" or "motif"
+    value: Any
+    words: str  # the value for people, if it is not readable itself
 
 
 @dataclass(frozen=True)
@@ -241,48 +250,51 @@ class LawPlan:
         if (refused := without_law(design)) is not None:
             raise LawError(str(refused), field=refused.field)
         both = (self._traits(each, design) for each in (self.design, design))
-        for (field, kind, known, of), (_, _, asked, shown) in zip(*both, strict=False):
-            part = MATERIAL_TOLERANCE if kind == "material" else LATTICE_TOLERANCE
-            if not same_values(known, asked, part):
-                if isinstance(asked, list) and not shown:  # places of a line
-                    raise ForeignLaw(f"{field}: the law is for another {kind}", field=field)
-                known, asked = of or known, shown or asked
-                raise ForeignLaw(f"{field} = {asked}: the law is for another {kind}, of {known}", field=field)
+        for known, asked in zip(*both, strict=False):
+            tolerance = MATERIAL_TOLERANCE if known.kind == "material" else LATTICE_TOLERANCE
+            if not same_values(known.value, asked.value, tolerance):
+                field, other = known.field, f"the law is for another {known.kind}"
+                if isinstance(asked.value, list) and not asked.words:  # places of a line
+                    raise ForeignLaw(f"{field}: {other}", field=field)
+                ours, theirs = known.words or known.value, asked.words or asked.value
+                raise ForeignLaw(f"{field} = {theirs}: {other}, of {ours}", field=field)
         if design.rods is not None:
             self.sources(design)
 
-    def _traits(self, design: Design, like: Design) -> Iterator[tuple[str, str, Any, str]]:
-        """What cells depend on, beside stretches and sizes: the field, what it tells of, its value, and other words
-        for that. `like` is the design with which another one is compared."""
+    def _traits(self, design: Design, like: Design) -> Iterator[Trait]:
+        """Everything in a design that its cells depend on, except stretches and sizes.
+
+        The traits of two designs are compared in pairs; `like` is the second design of such a comparison.
+        """
         fabric, rods = design.fabric, design.rods
         for section, free in FREE_KEYS.items():
             for key, value in getattr(design, section).model_dump(mode="json").items():
                 if key not in free:
-                    yield f"{section}.{key}", "material", value, ""
+                    yield Trait(f"{section}.{key}", "material", value, "")
         if rods is None:
             for key, value in _star_lattice(design.lattice, like.lattice).items():
-                yield f"lattice.{key}", "lattice", value, ""
+                yield Trait(f"lattice.{key}", "lattice", value, "")
         else:
             lattice = like.lattice if same_sites(design.lattice, like.lattice) else design.lattice
-            yield "lattice", "lattice", lattice.vectors.tolist(), ""
+            yield Trait("lattice", "lattice", lattice.vectors.tolist(), "")
         moduli: list[float] = []
         if any(each.fabric.is_orthotropic for each in (self.design, like)):
             moduli = [*(e / fabric.modulus for e in (*fabric.moduli, fabric.shear_modulus)), *fabric.axes.ravel()]
-        yield "fabric.modulus_mpa", "material", moduli, fabric.modulus_text
+        yield Trait("fabric.modulus_mpa", "material", moduli, fabric.modulus_text)
         bending = [d / fabric.modulus for d in fabric.bending_tensor]
-        yield "fabric.bending_stiffness_n_mm", "material", bending, f"{bending[0]:.3g} mm^3 over the modulus"
+        yield Trait("fabric.bending_stiffness_n_mm", "material", bending, f"{bending[0]:.3g} mm^3 over the modulus")
         if rods is None:
             return
-        yield "rods.motif", "motif", len(rods.motif), f"{len(rods.motif)} lines"
-        yield "rods.curve_mm", "motif", rods.curve_mm, ""
-        yield "rods.join_mm", "motif", rods.join_mm, ""
+        yield Trait("rods.motif", "motif", len(rods.motif), f"{len(rods.motif)} lines")
+        yield Trait("rods.curve_mm", "motif", rods.curve_mm, "")
+        yield Trait("rods.join_mm", "motif", rods.join_mm, "")
         for number, line in enumerate(rods.motif):
             # names are for people
             free = {"name", *(size.key for size in self.sizes if number in (size.lines or ()))}
             for key, value in line.model_dump(mode="json").items():
                 if key not in free:
                     value = _number(rods, line, key) if key in ROD_SIZE_KEYS else value
-                    yield f"rods.motif[{number}].{key}", "motif", value, ""
+                    yield Trait(f"rods.motif[{number}].{key}", "motif", value, "")
 
     def sources(self, design: Design) -> list[SizingField]:
         """The sizing field of a design's motif for each of `sizes`.

@@ -99,8 +99,9 @@ _TEXT_OF = {kind: text for text, kinds in _TEXTS.items() for kind in kinds}
 def _allowed(kind: str, context: dict[str, Any], message: str) -> str:
     allowed = _TEXT_OF[kind].format(**context) if kind in _TEXT_OF else message.removeprefix("Value error, ")
     # a comma in every number makes two of it
-    has_commas = kind == "too_long" and context.get("actual_length") == 2 * context["max_length"]
-    return allowed + "; decimals have a point" * has_commas
+    if kind == "too_long" and context.get("actual_length") == 2 * context["max_length"]:
+        allowed += "; decimals have a point"
+    return allowed
 
 
 def _dotted(location: tuple[int | str, ...]) -> str:
