@@ -12,11 +12,10 @@ from scipy.spatial import cKDTree
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.drawings import IMPORT_CURVE_MM
-from asterism.pattern.geometry.planar import STRAIGHT_TURN_RAD, turning_angles
 from asterism.pattern.layout.free_motions import FreeMotions
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.supports import SupportSamples
-from asterism.pattern.rods.graph import Rod, RodGraph
+from asterism.pattern.rods.graph import RodGraph
 
 # of the spacing, or of a size: equal but for rounding
 SYMMETRY_TOLERANCE = 1e-6
@@ -26,11 +25,10 @@ CURVE_TOLERANCES = 4.0
 MAX_ROTATION_ORDER = 12
 # a moment below this part of its largest possible value is zero
 ZERO_MOMENT = 1e-4
-# inner points of a rod at which it is compared; a point every this many of its points for long curves
-MIN_ROD_SAMPLES = 7
+# least number of inner points of a rod at which it is compared; a curve is compared at as many as it has points
+MIN_ROD_SAMPLES = 4
 # relative difference of sections that are equal: those of curves are evaluated at slightly different places
 SAME_SECTION = 1e-3
-_SIZES = ("thickness", "width")
 
 
 @dataclass(frozen=True)
@@ -63,51 +61,24 @@ class Symmetry:
 
 
 def symmetries(design: Design, layout: Layout) -> list[Symmetry]:
-    """All symmetries of the stars, their arms and sizes, the outline, the pins, the fabric and the weight.
+    """All symmetries of the rods and their sections, the outline, the holes, the pins, the fabric and the weight.
 
-    The identity comes first. Each maps the centre of the stars to itself, and the lattice onto itself but for a shift.
-    Of a drawing, it maps the middle of the sheet to itself.
+    The identity comes first. Each maps the middle of the outline to itself, and stars onto stars.
     """
-    if layout.drawn is None:
-        tolerance = SYMMETRY_TOLERANCE * layout.spacing_mm
-        centre, turns = layout.centres.mean(axis=0), _lattice_symmetries(layout.lattice_vectors)
-        images: _StarImages | DrawingImages = _StarImages(layout, tolerance)
-    else:
-        # curves are as near to each other as they are to their straight pieces
-        curve_mm = max(design.required_rods.curve_mm, IMPORT_CURVE_MM)
-        tolerance = SYMMETRY_TOLERANCE * layout.spacing_mm + CURVE_TOLERANCES * curve_mm
-        centre = shapely.get_coordinates(shapely.centroid(shapely.polygons(layout.outline)))[0]
-        turns, images = _candidate_turns(layout.graph, centre), DrawingImages(layout, tolerance)
+    pattern = _Pattern(design, layout)
     stars, samples, kept = cKDTree(layout.centres), layout.support_samples, []
-    for turn in turns:
-        shift = centre - turn @ centre
-        star = _image(layout.centres @ turn.T + shift, stars, tolerance)
-        if star is None or not np.array_equal(layout.star_side[star], layout.star_side):
-            continue
+    for turn in _candidate_turns(layout.graph, pattern.centre):
         if not _keeps_directions(design, turn):
             continue
+        shift = pattern.centre - turn @ pattern.centre
+        star = _image(layout.centres @ turn.T + shift, stars, pattern.tolerance)
+        if star is None:
+            continue
         motion = Symmetry(turn, shift, star)
-        shift_in_space = _support_shift(samples, motion, tolerance)
-        if shift_in_space is not None and images.are_equal(motion):
+        shift_in_space = _support_shift(samples, motion, pattern.tolerance)
+        if shift_in_space is not None and pattern.is_kept_by(motion):
             kept.append(replace(motion, shift_in_space=shift_in_space))
     return kept
-
-
-def _lattice_symmetries(vectors: Floats) -> list[Floats]:
-    """Orthogonal matrices that map the lattice onto itself, the identity first."""
-    steps = np.stack(np.meshgrid(*2 * [np.arange(-3, 4)], indexing="ij"), axis=-1).reshape(-1, 2) @ vectors
-    angle = np.arctan2(*vectors[0][::-1])
-    length = np.linalg.norm(steps, axis=1)
-    equal = steps[np.abs(length - np.linalg.norm(vectors[0])) < SYMMETRY_TOLERANCE * length.max()]
-    matrices = []
-    for target in np.sort(np.arctan2(equal[:, 1], equal[:, 0])):
-        for mirror in (1.0, -1.0):
-            c, s = np.cos(target - mirror * angle), np.sin(target - mirror * angle)
-            turn = np.array([[c, -s], [s, c]]) @ np.diag([1.0, mirror])
-            cells = vectors @ turn.T @ np.linalg.inv(vectors)
-            if np.abs(cells - np.rint(cells)).max() < 1e-6:
-                matrices.append(turn)
-    return sorted(matrices, key=lambda turn: bool(np.abs(turn - np.eye(2)).max() > 1e-9))
 
 
 def _image(moved: Floats, points: cKDTree, tolerance: float) -> Ints | None:
@@ -120,39 +91,57 @@ def _image(moved: Floats, points: cKDTree, tolerance: float) -> Ints | None:
     return np.asarray(index, dtype=np.int64)
 
 
-def _keeps_order(corner: Ints | None) -> bool:
-    """Whether neighbouring corners stay neighbours: equal corners may be joined in another order."""
-    if corner is None:
-        return False
-    step = (np.roll(corner, -1) - corner) % len(corner)
-    return bool((step == 1).all() or (step == len(corner) - 1).all())
+class _Pattern:
+    """What is printed, and the edges of the sheet, for checks whether motions map them onto themselves."""
 
+    def __init__(self, design: Design, layout: Layout) -> None:
+        graph, rods, drawing = layout.graph, layout.graph.rods, design.rods
+        self.centre = shapely.get_coordinates(shapely.centroid(shapely.polygons(layout.outline)))[0]
+        # curves are as near to each other as they are to their straight pieces
+        curve_mm = 0.0 if drawing is None else max(drawing.curve_mm, IMPORT_CURVE_MM)
+        even = SYMMETRY_TOLERANCE * layout.spacing_mm
+        self.tolerance = even + CURVE_TOLERANCES * curve_mm
+        self._same_section = SYMMETRY_TOLERANCE if drawing is None else SAME_SECTION
+        self._edges = shapely.multilinestrings([shapely.linearrings(ring) for ring in layout.edges.rings])
+        # the edges of holes may be curves also on sheets of stars
+        off = [self.tolerance, *[even + CURVE_TOLERANCES * max(curve_mm, IMPORT_CURVE_MM)] * len(layout.holes)]
+        self._band = shapely.union_all(shapely.buffer(shapely.get_parts(self._edges), off))
+        shapely.prepare(self._band)
+        self._lines = graph.lines
+        self._tree = shapely.STRtree(self._lines)
+        ends = np.bincount([node for rod in rods for node in (rod.start, rod.end)], minlength=len(graph.nodes))
+        self._free_ends = cKDTree(graph.nodes[ends == 1])
+        # all rods, one after the other with gaps, on one line of stations
+        lengths, count = shapely.length(self._lines), [max(MIN_ROD_SAMPLES, len(rod.points)) for rod in rods]
+        self._first = np.cumsum(lengths + 1.0) - lengths
+        self._stations = np.concatenate([first + rod.arc_lengths for first, rod in zip(self._first, rods, strict=True)])
+        self._sections = [np.concatenate([getattr(rod, key) for rod in rods]) for key in ("thickness", "width")]
+        self._plastic = np.array([(np.inf if rod.kappa_bar is None else rod.kappa_bar, rod.side) for rod in rods])
+        self._rod = np.repeat(np.arange(len(rods)), count)
+        self._along = np.concatenate([(np.arange(n) + 0.5) / n for n in count]) * lengths[self._rod]
+        places = shapely.line_interpolate_point(self._lines[self._rod], self._along)
+        self._samples = shapely.get_coordinates(places)
 
-class _StarImages:
-    """Checks whether motions that map the stars onto themselves map arms, outline and holes onto themselves."""
+    def is_kept_by(self, motion: Symmetry) -> bool:
+        """Whether a motion maps the edges of the sheet onto each other, and rods onto rods of equal sections."""
 
-    def __init__(self, layout: Layout, tolerance: float) -> None:
-        self._layout, self._tolerance = layout, tolerance
-        # Tips may meet. A quarter of the way back to the centre, no two arms do.
-        self._arms = cKDTree(layout.arm_tip + 0.25 * (layout.centres[layout.arm_star] - layout.arm_tip))
-        # corners on a straight edge have no effect
-        self._corners = cKDTree(layout.outline[np.abs(turning_angles(layout.outline)) > STRAIGHT_TURN_RAD])
+        def moved(points: Floats) -> Floats:
+            return points @ motion.turn.T + motion.shift
 
-    def are_equal(self, motion: Symmetry) -> bool:
-        """Whether a motion maps outline, holes and arms of equal sizes onto each other."""
-        layout, tolerance = self._layout, self._tolerance
-        if not _keeps_order(_image(self._corners.data @ motion.turn.T + motion.shift, self._corners, tolerance)):
+        if not shapely.covers(self._band, shapely.transform(self._edges, moved)):
             return False
-        # the edges of holes may be curves
-        if not _maps_holes(layout, motion, tolerance + CURVE_TOLERANCES * IMPORT_CURVE_MM):
+        if _image(moved(self._free_ends.data), self._free_ends, self.tolerance) is None:
             return False
-        arm = _image(self._arms.data @ motion.turn.T + motion.shift, self._arms, tolerance)
-        if arm is None or not np.array_equal(layout.arm_star[arm], motion.star[layout.arm_star]):
-            return False
-        sizes = (layout.arm_thickness, layout.arm_width)
-        equal_sizes = all((np.abs(size[arm] - size) <= SYMMETRY_TOLERANCE * size).all() for size in sizes)
-        tips = layout.arm_tip @ motion.turn.T + motion.shift
-        return equal_sizes and bool(np.abs(tips - layout.arm_tip[arm]).max(initial=0.0) < tolerance)
+        places = shapely.points(moved(self._samples))
+        at, image = self._tree.query(places, predicate="dwithin", distance=self.tolerance)
+        rod = self._rod[at]
+        here = self._first[rod] + self._along[at]
+        there = self._first[image] + shapely.line_locate_point(self._lines[image], places[at])
+        equal = (self._plastic[image] == self._plastic[rod]).all(axis=1)
+        for values in self._sections:
+            one, other = np.interp([here, there], self._stations, values)
+            equal &= np.abs(one - other) <= self._same_section * one
+        return bool(np.bincount(at[equal], minlength=len(places)).all())
 
 
 def _support_shift(samples: SupportSamples, motion: Symmetry, tolerance: float) -> Floats | None:
@@ -210,71 +199,6 @@ def _candidate_turns(graph: RodGraph, centre: Floats) -> list[Floats]:
     axis = np.angle(moments[order - 1]) / order if abs(moments[order - 1]) > ZERO_MOMENT else 0.0
     turns = [_rotation(2 * np.pi * k / order) for k in range(order)]
     return turns + [_rotation(2 * (axis + np.pi * k / order)) @ np.diag([1.0, -1.0]) for k in range(order)]
-
-
-class DrawingImages:
-    """Checks whether motions map a drawing onto itself.
-
-    Parameters
-    ----------
-    layout : of the drawing.
-    tolerance : mm, distance within which lines are equal.
-    """
-
-    def __init__(self, layout: Layout, tolerance: float) -> None:
-        self._layout, self._tolerance = layout, tolerance
-        self._border = shapely.LinearRing(layout.outline)
-        self._on_border = shapely.get_coordinates(shapely.segmentize(self._border, layout.spacing_mm))
-        rods = layout.graph.rods
-        counts = (max(MIN_ROD_SAMPLES, len(rod.points)) for rod in rods)
-        self._parts = [(np.arange(count) + 0.5) / count for count in counts]  # of the lengths, without the ends
-        self._points = np.concatenate([rod.at(rod.points, parts) for rod, parts in zip(rods, self._parts, strict=True)])
-        self._lines = layout.graph.lines
-        self._tree = shapely.STRtree(self._lines)
-        sections = {(rod.kappa_bar, *np.unique(np.stack([rod.thickness, rod.width]), axis=1).ravel()) for rod in rods}
-        self._has_one_section = len(sections) == 1 and len(next(iter(sections))) == 1 + len(_SIZES)
-
-    def are_equal(self, motion: Symmetry) -> bool:
-        """Whether a motion maps outline, holes and rods of equal sections onto each other."""
-        turn, shift = motion.turn, motion.shift
-        moved_border = shapely.points(self._on_border @ turn.T + shift)
-        if (shapely.distance(self._border, moved_border) > self._tolerance).any():
-            return False
-        if not _maps_holes(self._layout, motion, self._tolerance):
-            return False
-        moved = shapely.points(self._points @ turn.T + shift)
-        image = self._tree.nearest(moved)
-        if (shapely.distance(self._lines[image], moved) > self._tolerance).any():
-            return False
-        if self._has_one_section:
-            return True
-        along = shapely.line_locate_point(self._lines[image], moved)
-        rods, ends = self._layout.graph.rods, np.cumsum([len(parts) for parts in self._parts])[:-1]
-        groups = zip(rods, self._parts, np.split(image, ends), np.split(along, ends), strict=True)
-        for rod, parts, images, places in groups:
-            for number in np.unique(images):
-                here, other = images == number, rods[number]
-                if not _same_sections(rod, parts[here], other, places[here] / other.length):
-                    return False
-        return True
-
-
-def _maps_holes(layout: Layout, motion: Symmetry, tolerance: float) -> bool:
-    """Whether a motion maps the holes onto holes, each edge within `tolerance` (mm)."""
-    rings = [shapely.LinearRing(hole) for hole in layout.holes]
-    for ring in rings:
-        at = shapely.get_coordinates(shapely.segmentize(ring, layout.spacing_mm))
-        moved = shapely.points(at @ motion.turn.T + motion.shift)
-        if not any((shapely.distance(other, moved) <= tolerance).all() for other in rings):
-            return False
-    return True
-
-
-def _same_sections(first: Rod, parts: Floats, second: Rod, other_parts: Floats) -> bool:
-    if first.kappa_bar != second.kappa_bar:
-        return False
-    pairs = [(first.at(getattr(first, key), parts), second.at(getattr(second, key), other_parts)) for key in _SIZES]
-    return all((np.abs(one - two) <= SAME_SECTION * one).all() for one, two in pairs)
 
 
 def _rotation(angle: float) -> Floats:
