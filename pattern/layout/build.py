@@ -19,9 +19,9 @@ from asterism.pattern.design.files import read_table
 from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.design.pins import Pins
 from asterism.pattern.design.stars import MIN_ARM_MM
-from asterism.pattern.geometry.planar import distance_to_outline, inside, polygon_area
+from asterism.pattern.geometry.planar import distance_to_outline, polygon_area
 from asterism.pattern.layout.layout import Layout
-from asterism.pattern.layout.pin_placement import check_conflicts, check_reach, pin_set, snapped_to_lines
+from asterism.pattern.layout.pin_placement import check_pins, pin_set, snapped_to_lines
 from asterism.pattern.layout.sheet_edges import SheetEdges
 from asterism.pattern.layout.star_cells import outline, star_cells, star_margin_mm, star_sizes
 from asterism.pattern.layout.supports import PinSet
@@ -35,8 +35,6 @@ if TYPE_CHECKING:
 HOLE_CURVE_MM = 0.005
 # vertices of the exact model's mesh
 MAX_VERTICES = 400_000
-# places closer than this to the edge of a hole are on it, but for rounding
-ON_EDGE_MM = 1e-6
 # ends of arms closer than this part of the spacing are one point, but for rounding
 MEETING_TOLERANCE_SPACINGS = 1e-6
 
@@ -161,7 +159,7 @@ def _of_stars(design: Design) -> Layout:
     kept_pins = _kept_pins(design.pins, design.border, lattice)
     pins = tuple(snapped_to_lines(pin, corners, ends, lines) for pin in kept_pins)
     if any(pin is not place for pin, place in zip(pins, kept_pins, strict=True)):
-        _check_pins(pins, corners, holes)
+        check_pins(pins, SheetEdges.of(corners, holes))
     kept, star = np.unique(star, return_inverse=True)
     return Layout(
         outline=corners.copy(),  # layouts own their arrays
@@ -190,7 +188,7 @@ def _kept_pins(pins: tuple[Pins, ...], border: Border, lattice: Lattice) -> tupl
     """The pins where the design places them, kept for edits of stars."""
     corners, holes, _ = _kept_sheet(border, lattice)
     sets = tuple(pin_set(pin, corners, f"pins[{k}]", holes) for k, pin in enumerate(pins))
-    _check_pins(sets, corners, holes)
+    check_pins(sets, SheetEdges.of(corners, holes))
     return sets
 
 
@@ -198,23 +196,8 @@ def _pins(design: Design, outline: Floats, graph: RodGraph, holes: tuple[Floats,
     """The pins of a design with drawn rods, moved onto rods beside them."""
     sets = [pin_set(pin, outline, f"pins[{k}]", holes) for k, pin in enumerate(design.pins)]
     pins = tuple(snapped_to_lines(pin, outline, graph.nodes, graph.lines) for pin in sets)
-    _check_pins(pins, outline, holes)
+    check_pins(pins, SheetEdges.of(outline, holes))
     return pins
-
-
-def _check_pins(pins: tuple[PinSet, ...], corners: Floats, holes: tuple[Floats, ...]) -> None:
-    """Refuse pins in holes, and pins that contradict each other or pull too far."""
-    for number, pin in enumerate(pins):
-        for hole in holes:
-            in_hole = inside(pin.points, hole) & (distance_to_outline(pin.points, hole) > ON_EDGE_MM)
-            if in_hole.any():
-                place = pin.points[int(in_hole.argmax())]
-                problem = "must be on the sheet, not in a hole"
-                raise DesignError(f"pins[{number}]", problem, place.round(4).tolist(), place_mm=place)
-    if pins:
-        edges = SheetEdges.of(corners, holes)
-        check_conflicts(pins, edges)
-        check_reach(pins, edges)
 
 
 def _with_stars(design: Design, drawn: DrawnPattern) -> Layout:

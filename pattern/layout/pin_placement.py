@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.pins import Pins
+from asterism.pattern.geometry.planar import distance_to_outline, inside
 from asterism.pattern.layout.sheet_edges import SheetEdges
 from asterism.pattern.layout.supports import (
     FIXED_BY_SLIDE,
@@ -23,7 +24,6 @@ from asterism.pattern.layout.supports import (
     SupportCurve,
     all_points,
     sample_supports,
-    set_of_point,
 )
 
 # length between two pins over the printed length; as large as `fabric.stretch` may be
@@ -34,6 +34,8 @@ MIN_PULLED_MM = 20.0
 MAX_COMPARED_PINS = 200
 # Pins closer than this to a corner, the outline, an arm or another pin are there: a needle is thicker.
 PIN_TOLERANCE_MM = 0.25
+# places closer than this to the edge of a hole are on it, but for rounding
+ON_EDGE_MM = 1e-6
 _NO_POINTS: Floats = np.empty((0, 2))
 
 
@@ -121,7 +123,7 @@ def _snapped_to_outline(points: Floats, corners: Floats, field: str) -> Floats:
     off_sheet = shapely.distance(shapely.polygons(corners), places) > tolerance
     if off_sheet.any():
         k = int(off_sheet.argmax())
-        raise DesignError(f"{field}[{k}]", "must be on the sheet", rounded_place(points[k]), place_mm=points[k])
+        raise DesignError(f"{field}[{k}]", "must be on the sheet", points[k].round(4).tolist(), place_mm=points[k])
     return _snapped_to_ring(points, corners, tolerance)
 
 
@@ -160,82 +162,59 @@ def snapped_to_lines(pins: PinSet, corners: Floats, ends: Floats, lines: NDArray
     return replace(pins, points=np.where(beside[:, None], on_line, pins.points))
 
 
-def rounded_place(point: Floats) -> list[float]:
-    """A place as messages show it."""
-    return [round(float(c), 4) for c in point]
+def check_pins(sets: Sequence[PinSet], sheet: SheetEdges) -> None:
+    """Refuse pins in holes, places that are held twice, and pins that pull the sheet too far.
 
-
-# the number of the pin set that it is reported for, and an error
-_Conflict = tuple[int, DesignError]
-
-
-def check_conflicts(sets: Sequence[PinSet], sheet: SheetEdges) -> None:
-    """Refuse a place that is held twice. Edges of two sets may share a corner that both hold in the same way.
+    Edges of two sets may share a corner that both hold in the same way.
 
     Raises
     ------
     DesignError
-        Of several conflicts, that of the first set.
+        Of several such pins, the first.
     """
-    sets = tuple(sets)
+    for number, pin in enumerate(sets):
+        for hole in sheet.rings[1:]:
+            in_hole = inside(pin.points, hole) & (distance_to_outline(pin.points, hole) > ON_EDGE_MM)
+            if in_hole.any():
+                _refuse(number, "must be on the sheet, not in a hole", pin.points[int(in_hole.argmax())])
+    if not sets:
+        return
     tolerance = 1e-6 * float(np.ptp(sheet.start, axis=0).max())
     # corners of a finely drawn outline may be closer than a pin is thick
     shortest = float(np.linalg.norm(sheet.end - sheet.start, axis=1).min())
     distance = max(tolerance, min(PIN_TOLERANCE_MM, 0.99 * shortest))
-    conflicts = [*_points_twice(sets, distance), *_edges_twice(sets)]
-    conflicts += _points_on_edges(sets, sheet, distance, tolerance)
-    conflicts += _corners_differ(sets, sheet, tolerance)
-    if conflicts:
-        raise min(conflicts, key=lambda conflict: conflict[0])[1]
+    twice = [*_points_twice(sets, sheet, distance, tolerance), *_edges_twice(sets, sheet, tolerance)]
+    if twice:
+        _refuse(*min(twice, key=lambda conflict: conflict[0]))
+    _check_reach(sets, sheet)
 
 
-def _repeated(new: int, old: int, value: object, place_mm: Floats | None = None) -> _Conflict:
-    allowed = f"must not hold what pins[{old}] holds already"
-    return new, DesignError(f"pins[{new}]", allowed, value, place_mm=place_mm)
+def _refuse(number: int, problem: str, place: Floats | str) -> None:
+    """Raise the error of a pin set, at a place (2,) mm or at an edge."""
+    if isinstance(place, str):
+        raise DesignError(f"pins[{number}]", problem, place)
+    raise DesignError(f"pins[{number}]", problem, place.round(4).tolist(), place_mm=place)
 
 
-def _points_twice(sets: tuple[PinSet, ...], distance: float) -> Iterator[_Conflict]:
-    """Points closer to each other than `distance` (mm)."""
-    points, owner = all_points(sets), set_of_point(sets)
-    if len(points) < 2:
-        return
+# the number of a pin set, what is wrong with it, and where
+_Conflict = tuple[int, str, Floats | str]
+
+
+def _points_twice(sets: Sequence[PinSet], sheet: SheetEdges, distance: float, tolerance: float) -> Iterator[_Conflict]:
+    """Points closer to each other or to a held edge than `distance` (mm); to edges of later sets, than `tolerance`."""
     from scipy.spatial import cKDTree  # slow to import; designs without pins do without it
 
-    # one partner for each point is enough, however many points share a place
-    away, near = cKDTree(points).query(points, k=2, distance_upper_bound=distance * (1.0 + 1e-12))
-    number = np.arange(len(points))
-    partner = np.where((near[:, 0] == number) | np.isinf(away[:, 0]), near[:, 1], near[:, 0])
-    close = partner < len(points)
-    pairs = np.sort(np.column_stack([number, partner])[close], axis=1)
+    points, owner = all_points(sets), np.repeat(np.arange(len(sets)), [len(pins.points) for pins in sets])
+    # one neighbour of each point is enough, however many points share a place
+    near = np.sort(cKDTree(points).query(points, k=2, distance_upper_bound=distance * (1.0 + 1e-12))[1], axis=1)
+    pairs = near[near[:, 1] < len(points)]
     for first, second in pairs[np.lexsort(pairs.T)][:1].tolist():
-        if owner[first] == owner[second]:
-            allowed = f"must not hold the same place twice, within {distance:.2g} mm"
-            place = points[second]
-            error = DesignError(f"pins[{owner[second]}]", allowed, rounded_place(place), place_mm=place)
-            yield int(owner[second]), error
-        else:
-            place = points[second]
-            yield _repeated(int(owner[second]), int(owner[first]), rounded_place(place), place)
-
-
-def _edges_twice(sets: tuple[PinSet, ...]) -> Iterator[_Conflict]:
-    holder: dict[int, int] = {}
-    for number, pins in enumerate(sets):
-        for edge in sorted(pins.edges):
-            if edge in holder:
-                yield _repeated(number, holder[edge], f"edge {edge}")
-            holder.setdefault(edge, number)
-
-
-def _points_on_edges(
-    sets: tuple[PinSet, ...], sheet: SheetEdges, distance: float, tolerance: float
-) -> Iterator[_Conflict]:
-    """Points closer to a held edge than `distance` (mm), or on it within `tolerance` (mm) for earlier points."""
-    points, owner = all_points(sets), set_of_point(sets)
+        problem = f"must not hold the same place twice, within {distance:.2g} mm"
+        if owner[first] != owner[second]:
+            problem = f"must not hold what pins[{owner[first]}] holds already"
+        yield int(owner[second]), problem, points[second]
     edges = np.array([edge for pins in sets for edge in pins.edges], dtype=int)
-    holder = np.array([number for number, pins in enumerate(sets) for _ in pins.edges], dtype=int)
-    if not (len(points) and len(edges)):
-        return
+    holder = np.repeat(np.arange(len(sets)), [len(pins.edges) for pins in sets])
     lines = shapely.linestrings(np.stack([sheet.start[edges], sheet.end[edges]], axis=1))
     point, line = shapely.STRtree(lines).query(shapely.points(points), predicate="dwithin", distance=distance)
     away = shapely.distance(shapely.points(points[point]), lines[line])
@@ -243,34 +222,31 @@ def _points_on_edges(
     conflict = (owner[point] > holder[line]) | (away <= tolerance)
     for k, edge in sorted(zip(point[conflict], line[conflict], strict=True)):
         old, new = sorted((int(owner[k]), int(holder[edge])))
-        yield _repeated(new, old, rounded_place(points[k]), points[k])
+        yield new, f"must not hold what pins[{old}] holds already", points[k]
 
 
-def _corners_differ(sets: tuple[PinSet, ...], sheet: SheetEdges, tolerance: float) -> Iterator[_Conflict]:
-    """Corners between held edges of two sets that hold them in different directions or at different places."""
+def _edges_twice(sets: Sequence[PinSet], sheet: SheetEdges, tolerance: float) -> Iterator[_Conflict]:
+    """Edges of two sets, and corners that two sets hold in different directions or at different places."""
     holder: dict[int, int] = {}
+    corner_holder: dict[int, int] = {}
     for number, new in enumerate(sets):
+        for edge in sorted(new.edges):
+            if (first := holder.setdefault(edge, number)) != number:
+                yield number, f"must not hold what pins[{first}] holds already", f"edge {edge}"
         for corner in sorted({corner for edge in new.edges for corner in (edge, int(sheet.following[edge]))}):
-            first = holder.setdefault(corner, number)
-            if first == number:
+            if (first := corner_holder.setdefault(corner, number)) == number:
                 continue
             # along directions in which the sheet slides, the places may differ
             old, place, fixed = sets[first], sheet.start[[corner]], np.array(new.fixed)
             new_place, old_place = (pins.places(place)[:, fixed] for pins in (new, old))
             if new.fixed != old.fixed or not np.allclose(new_place, old_place, atol=tolerance):
-                allowed = f"must hold the corner as pins[{first}] does"
-                shown = rounded_place(sheet.start[corner])
-                error = DesignError(f"pins[{number}]", allowed, shown, place_mm=sheet.start[corner])
-                yield number, error
+                yield number, f"must hold the corner as pins[{first}] does", place[0]
 
 
-def check_reach(sets: Sequence[PinSet], edges: SheetEdges) -> None:
+def _check_reach(sets: Sequence[PinSet], edges: SheetEdges) -> None:
     """Refuse pins so far apart that the sheet between them is longer than `MAX_PULL` times the printed length.
 
-    Raises
-    ------
-    DesignError
-        The message names the second pin of the pair that is pulled most.
+    The message names the second pin of the pair that is pulled most.
     """
     samples = [sample_supports([pins], edges) for pins in sets]
     every = max(sum(len(each.printed) for each in samples) // MAX_COMPARED_PINS, 1)

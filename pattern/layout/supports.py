@@ -253,14 +253,9 @@ class PinSet:
         return stretches
 
 
-def all_points(pins: tuple[PinSet, ...]) -> Floats:
+def all_points(pins: Sequence[PinSet]) -> Floats:
     """(P, 2) mm, the single points of several pin sets, one set after the other."""
     return np.concatenate([np.empty((0, 2)), *(pin.points for pin in pins)])
-
-
-def set_of_point(pins: tuple[PinSet, ...]) -> Ints:
-    """(P,) number of the pin set of each of `all_points`."""
-    return np.repeat(np.arange(len(pins)), [len(pin.points) for pin in pins])
 
 
 class SupportSamples(NamedTuple):
