@@ -76,7 +76,7 @@ SAMPLE_SOURCES = {
         "rods/*.py", "mesh/delaunay_mesh.py", "mesh/triangulate.py", "mesh/outline_points.py", "geometry/*.py",
         "design/lattice.py", "design/materials.py",
         "layout/layout.py",
-        "mesh/graded_mesh.py", "mesh/lattice_grid.py", "layout/supports.py", "layout/sheet_edges.py",
+        "mesh/graded_mesh.py", "layout/supports.py", "layout/sheet_edges.py",
         "mesh/mesh.py", "design/rounding.py",
     ),
     homogenize: ("cell/*.py", "law/anisotropy.py"),

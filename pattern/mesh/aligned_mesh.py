@@ -1,29 +1,39 @@
-"""The lattice-aligned mesh: nearly equilateral triangles, a whole number of edges to a spacing."""
+"""The lattice-aligned mesh: nearly equilateral triangles, a whole number of edges to a spacing.
+
+A triangular grid refines the lattice of the stars. Its points move onto arms and the gaps behind them, the others with
+them. Along an outline that is no hexagon of the grid, the grid is cut off and triangulated with the outline.
+"""
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array, diags_array
+from scipy.sparse.linalg import splu
 from scipy.spatial import cKDTree
 
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.errors import MeshError
-from asterism.pattern.geometry.planar import distance_to_outline, inside, mean_circumcentres, triangle_angles
+from asterism.pattern.geometry.planar import (
+    cross_2d,
+    distance_to_outline,
+    inside,
+    mean_circumcentres,
+    triangle_angles,
+)
 from asterism.pattern.geometry.plane_lattice import GRID_DIRECTIONS
 from asterism.pattern.layout.layout import Layout
-from asterism.pattern.mesh.lattice_grid import (
-    ON_LINE_TOLERANCE,
-    BorderStations,
-    GridPatch,
-    LatticeGrid,
-    arm_stations,
-    moved,
-    prescribed,
-)
 from asterism.pattern.mesh.mesh import Mesh, check_edge, checked
-from asterism.pattern.mesh.outline_points import outline_points, pin_vertices, pins_on_sheet
+from asterism.pattern.mesh.outline_points import (
+    PIN_VERTEX_TOLERANCE_MM,
+    outline_points,
+    pin_vertices,
+    pins_on_sheet,
+)
 from asterism.pattern.mesh.triangulate import triangulate
 
 # free grid points keep this distance from the outline, in grid edges
@@ -41,6 +51,14 @@ REFINED_ANGLE_DEG = 28.0
 MIN_ALIGNED_ANGLE_DEG = 15.0
 # if the grid itself has a smaller angle, a triangulation with additional points replaces it
 MIN_GRID_ANGLE_DEG = 22.0
+# points this close to a grid line are on it, in spacings
+ON_LINE_TOLERANCE = 1e-6
+# small weight that keeps points in place if no path connects them to a known point
+HOLDING_WEIGHT = 1e-9
+# shortest edge along arms and gaps, over the edge of the grid
+MIN_STATION_EDGE_FACTOR = 0.25
+# shift of grid points by which diagonals of squares are chosen, in grid edges: far above rounding, and invisible
+OFF_SQUARE_SHIFT = 1e-6
 
 
 def aligned_mesh(layout: Layout, edge_mm: float, draft: bool = False) -> Mesh:
@@ -57,31 +75,31 @@ def aligned_mesh(layout: Layout, edge_mm: float, draft: bool = False) -> Mesh:
         Arms do not lie on lattice lines, or moving grid points would flatten triangles.
     """
     check_edge(layout, edge_mm)
-    grid = LatticeGrid.of(layout, edge_mm)
-    hexagon = HexagonBorder.of(layout, grid)
+    grid = _LatticeGrid.of(layout, edge_mm)
+    hexagon = _HexagonBorder.of(layout, grid)
     if hexagon is not None:
         try:
             return checked(_hexagon_mesh(layout, grid, hexagon), layout, MIN_GRID_ANGLE_DEG)
         except MeshError:
             # tips close to the outline and pins between grid points need additional points
             pass
-    strip = cut_mesh(layout, grid, MIN_ALIGNED_ANGLE_DEG) if draft else cut_mesh(layout, grid)
+    strip = _cut_mesh(layout, grid, MIN_ALIGNED_ANGLE_DEG) if draft else _cut_mesh(layout, grid)
     return checked(strip, layout, MIN_ALIGNED_ANGLE_DEG)
 
 
-def _hexagon_mesh(layout: Layout, grid: LatticeGrid, hexagon: HexagonBorder) -> Mesh:
+def _hexagon_mesh(layout: Layout, grid: _LatticeGrid, hexagon: _HexagonBorder) -> Mesh:
     """The grid hexagon with its own connectivity, moved onto the border."""
-    outline = hexagon.places(layout, grid)
+    patch, pins = hexagon.patch(grid), pins_on_sheet(layout)
+    ring, outline = patch.index(hexagon.ring), hexagon.places(pins, grid.tolerance)
+    number = np.zeros(len(patch.ij), dtype=np.int64)
+    number[ring] = np.arange(len(ring))
 
-    def border(start: Ints, step: Ints) -> tuple[Ints, Floats]:
+    def to_outline(start: Ints, step: Ints) -> tuple[Ints, Floats]:
         count = hexagon.exit(start, step)
-        return count, outline[hexagon.on_ring(start + count[:, None] * step)]
+        return count, outline[number[patch.index(start + count[:, None] * step)]]
 
-    stations = arm_stations(layout, grid, border)
-    patch = hexagon.patch(grid)
-    ring = patch.index(hexagon.ring)
-    taken, known, places = prescribed(patch, stations, ring, outline)
-    points = moved(patch, taken, known, places, pins_on_sheet(layout))
+    stations = _arm_stations(layout, grid, to_outline)
+    points = _moved(patch, stations, pins, ring, outline)
     first = int(np.argmin(np.linalg.norm(points[ring] - layout.outline[0], axis=1)))
     border_vertices = np.roll(ring, -first)
     return Mesh(
@@ -96,7 +114,7 @@ def _hexagon_mesh(layout: Layout, grid: LatticeGrid, hexagon: HexagonBorder) -> 
 
 
 @dataclass(frozen=True)
-class HexagonBorder:
+class _HexagonBorder:
     """A hexagon about a lattice point with its corners in the six lattice directions."""
 
     centre: Ints  # (2,) grid point
@@ -105,7 +123,7 @@ class HexagonBorder:
     ring: Ints  # (6 rows, 2) grid points on the outline, counterclockwise from the first corner
 
     @classmethod
-    def of(cls, layout: Layout, grid: LatticeGrid) -> HexagonBorder | None:
+    def of(cls, layout: Layout, grid: _LatticeGrid) -> _HexagonBorder | None:
         """The outline of a layout as such a hexagon; None for other outlines."""
         if len(layout.outline) != 6 or grid.right_angled:  # a hexagon of squares would have one of their diagonals
             return None
@@ -126,11 +144,11 @@ class HexagonBorder:
         ring = [centre + rows * GRID_DIRECTIONS[q] + side * GRID_DIRECTIONS[(q + 2) % 6] for q in range(6)]
         return cls(centre, rows, places, np.concatenate(ring))
 
-    def patch(self, grid: LatticeGrid) -> GridPatch:
+    def patch(self, grid: _LatticeGrid) -> _GridPatch:
         """All grid points in the hexagon."""
         span = np.arange(-self.rows, self.rows + 1)
         ij = np.stack(np.meshgrid(span, span, indexing="ij"), axis=-1).reshape(-1, 2)
-        return GridPatch(grid, self.centre + ij[np.abs(ij.sum(axis=1)) <= self.rows])
+        return _GridPatch(grid, self.centre + ij[np.abs(ij.sum(axis=1)) <= self.rows])
 
     def exit(self, start: Ints, step: Ints) -> Ints:
         """(n,) number of grid edges from grid points (n, 2) to the outline, in directions (n, 2)."""
@@ -139,31 +157,20 @@ class HexagonBorder:
         left = self.rows - faces[0] * faces[1]
         return np.asarray(np.where(faces[1] != 0, left, left.max(initial=0)).min(axis=0))
 
-    def on_ring(self, ij: Ints) -> Ints:
-        """(n,) number within the ring of grid points (n, 2) that are on it, and any number of others."""
-        width = 4 * self.rows + 1
-        codes, wanted = ((one - self.centre) @ [width, 1] for one in (self.ring, ij))
-        order = np.argsort(codes)
-        return np.asarray(order[np.minimum(np.searchsorted(codes[order], wanted), len(order) - 1)])
-
-    def places(self, layout: Layout, grid: LatticeGrid) -> Floats:
-        """Places (6 rows, 2) of the ring: evenly spaced between corners, tips and pins on the outline."""
+    def places(self, pins: Floats, tolerance: float) -> Floats:
+        """Places (6 rows, 2) of the ring: evenly spaced between corners, and pins (P, 2) mm that are on the outline."""
         taken: dict[int, float] = {q * self.rows: float(q * self.rows) for q in range(6)}
-        tolerance = ON_LINE_TOLERANCE * grid.edge_mm * grid.k
-        tips = np.flatnonzero(distance_to_outline(layout.arm_tip, layout.outline) <= tolerance)
-        starts, steps = grid.centres(layout)[layout.arm_star[tips]], grid.directions(layout)[tips]
-        stations = starts + self.exit(starts, steps)[:, None] * steps
-        for arm, station in zip(tips, self.on_ring(stations).tolist(), strict=True):
-            self._take(taken, station, self._along(layout.arm_tip[arm]))
-        points = layout.pin_points
-        for point in points[distance_to_outline(points, layout.outline) <= tolerance]:
+        for point in pins[distance_to_outline(pins, self.corners) <= tolerance]:
             at = self._along(point)
             if not any(abs(at - t) < 1e-5 for t in taken.values()):
-                self._take(taken, round(at) % len(self.ring), at)
+                station = round(at) % len(self.ring)
+                if station in taken:
+                    raise MeshError("two pins or corners on the outline need the same mesh vertex")
+                taken[station] = at
         ordered = sorted(taken)
         stations, along = np.array([*ordered, len(self.ring)]), np.array([*(taken[k] for k in ordered), len(self.ring)])
         if (np.diff(along) <= 0).any():
-            raise MeshError("tips and pins on the outline are closer together than the mesh edges")
+            raise MeshError("pins on the outline are closer together than the mesh edges")
         t = np.interp(np.arange(len(self.ring)), stations, along)
         side = np.minimum(t // self.rows, 5).astype(int)
         part = (t / self.rows - side)[:, None]
@@ -176,43 +183,31 @@ class HexagonBorder:
         side = int(np.argmin(np.linalg.norm(a + part[:, None] * (b - a) - point, axis=1)))
         return float(side + part[side]) * self.rows % len(self.ring)
 
-    @staticmethod
-    def _take(taken: dict[int, float], station: int, along: float) -> None:
-        """Note that a point of the ring has its place; two places for one are refused."""
-        if abs(taken.get(station, along) - along) > 1e-5:
-            raise MeshError("two tips, pins or corners on the outline need the same mesh vertex")
-        taken.setdefault(station, along)
 
-
-def cut_mesh(layout: Layout, grid: LatticeGrid, enough: float = np.inf) -> Mesh:
+def _cut_mesh(layout: Layout, grid: _LatticeGrid, enough: float = np.inf) -> Mesh:
     """The grid with its points moved onto arms and pins, cut off at the border and triangulated with it.
 
     The strip along the border is smoothed until all angles are `enough` (degrees).
     """
-    tolerance = ON_LINE_TOLERANCE * grid.edge_mm * grid.k
     pins = pins_on_sheet(layout)
+    inner_pins = pins[distance_to_outline(pins, layout.outline) > grid.tolerance]
     patch = _patch_around(layout, grid)
-    stations = arm_stations(layout, grid, _ends_on_border(layout, grid, tolerance))
-    taken, known, places = prescribed(patch, stations)
-    points = moved(patch, taken, known, places, pins[distance_to_outline(pins, layout.outline) > tolerance])
+    stations = _arm_stations(layout, grid)
+    points = _moved(patch, stations, inner_pins)
 
     arms = patch.paths(stations.arms)
     points, arms = _halved(points, arms, layout, grid.edge_mm)
     fixed = np.zeros(len(points), dtype=bool)
     fixed[np.concatenate([patch.index(stations.centres), *arms])] = True
-    away, at_pin = cKDTree(points).query(pins)
-    fixed[at_pin[away <= tolerance]] = True
+    fixed[cKDTree(points).query(inner_pins)[1]] = True
     distance = distance_to_outline(points, layout.outline)
-    on_border = fixed & (distance <= tolerance)
-    clear = inside(points, layout.outline) & (distance >= ARM_MARGIN_EDGES * grid.edge_mm)
-    if (fixed & ~on_border & ~clear).any():
+    within = inside(points, layout.outline)
+    if (fixed & ~(within & (distance >= ARM_MARGIN_EDGES * grid.edge_mm))).any():
         raise MeshError("an arm or a pin is closer to the outline than a mesh edge allows")
-    wanted = np.concatenate([layout.arm_tip, layout.centres, pins])
-    outline = outline_points(layout.outline, grid.edge_mm, wanted, tolerance, points[fixed & ~on_border])
-    keep = (inside(points, layout.outline) & (distance > GRID_MARGIN_EDGES * grid.edge_mm)) | fixed & ~on_border
+    outline = outline_points(layout.outline, grid.edge_mm, pins, grid.tolerance, points[fixed])
+    keep = within & (distance > GRID_MARGIN_EDGES * grid.edge_mm) | fixed
     vertex = np.full(len(points), -1)
     vertex[keep] = np.arange(keep.sum()) + len(outline)
-    vertex[on_border] = cKDTree(outline).query(points[on_border])[1]
     rods = tuple(vertex[arm] for arm in arms)
     border = np.arange(len(outline))
     segments = np.concatenate(
@@ -233,22 +228,13 @@ def cut_mesh(layout: Layout, grid: LatticeGrid, enough: float = np.inf) -> Mesh:
     )
 
 
-def _patch_around(layout: Layout, grid: LatticeGrid) -> GridPatch:
+def _patch_around(layout: Layout, grid: _LatticeGrid) -> _GridPatch:
     """Grid points on the sheet, and enough around it for every arm and for moves across the outline."""
     ij = grid.window(layout.outline.min(axis=0), layout.outline.max(axis=0))
     places = grid.place(ij)
     near = inside(places, layout.outline)
     near[~near] = distance_to_outline(places[~near], layout.outline) < 2 * grid.edge_mm
-    return GridPatch(grid, ij[near])
-
-
-def _ends_on_border(layout: Layout, grid: LatticeGrid, tolerance: float) -> BorderStations:
-    """For arms that end on the outline: their number of edges and their tip."""
-    steps = grid.directions(layout)
-    on = distance_to_outline(layout.arm_tip, layout.outline) <= tolerance
-    count = np.maximum(np.rint(layout.arm_length / np.linalg.norm(steps @ grid.basis, axis=1) * grid.k), 1)
-    count = np.where(on, count.astype(np.int64), np.iinfo(np.int64).max)
-    return lambda start, step: (count, layout.arm_tip)
+    return _GridPatch(grid, ij[near])
 
 
 def _halved(points: Floats, arms: list[Ints], layout: Layout, edge_mm: float) -> tuple[Floats, list[Ints]]:
@@ -276,3 +262,312 @@ def _smoothed(points: Floats, segments: Ints, still: NDArray[np.bool_], enough: 
         if angle > best_angle:
             best, best_angle = (points, triangles), angle
     return best
+
+
+@dataclass(frozen=True)
+class _LatticeGrid:
+    """Points `origin + ij @ basis / k` for whole numbers ij, each lattice triangle cut into k^2."""
+
+    origin: Floats  # (2,) mm
+    basis: Floats  # (2, 2) mm, rows: lattice vectors at most 90 degrees apart, the second to the left of the first
+    k: int  # grid edges between neighbouring lattice points
+
+    @classmethod
+    def of(cls, layout: Layout, edge_mm: float) -> _LatticeGrid:
+        """The grid of a layout whose edges are closest to `edge_mm`.
+
+        Right-angled cells have an even number of them: the mirror lines between stars are grid lines. The mesh has
+        their symmetry, unless tips that nearly touch need points that the triangulation adds.
+        """
+        a, b = np.asarray(layout.lattice_vectors, dtype=float)
+        each = 2 if _is_right_angled(a, b) else 1
+        k = max(each * round(float(np.sqrt((a @ a + b @ b) / 2)) / edge_mm / each), 2)
+        return cls(np.asarray(layout.lattice_origin, dtype=float), np.array([a, b]), k)
+
+    @cached_property
+    def right_angled(self) -> bool:
+        """The cells are squares or rectangles, whose two diagonals are equally long."""
+        return _is_right_angled(*self.basis)
+
+    @cached_property
+    def edge_mm(self) -> float:
+        """Length of a grid edge (mean of the two axes)."""
+        return float(np.linalg.norm(self.basis, axis=1).mean() / self.k)
+
+    @property
+    def tolerance(self) -> float:
+        """mm, places closer than this are the same but for rounding."""
+        return ON_LINE_TOLERANCE * self.edge_mm * self.k
+
+    def lattice_coordinates(self, vectors: Floats) -> Floats:
+        """Vectors (n, 2) in mm as multiples of the lattice vectors."""
+        return vectors @ np.linalg.inv(self.basis)
+
+    def place(self, ij: Ints) -> Floats:
+        """Where grid points (n, 2) are, mm."""
+        return self.origin + ij @ self.basis / self.k
+
+    def centres(self, layout: Layout) -> Ints:
+        """Grid points (S, 2) of the stars."""
+        where = self.lattice_coordinates(layout.centres - self.origin)
+        off = np.abs(where - np.rint(where)).max(axis=1, initial=0)
+        if (off > ON_LINE_TOLERANCE).any():
+            raise MeshError(
+                f"star {layout.star_number[np.argmax(off > ON_LINE_TOLERANCE)]} is not at a point of the lattice"
+            )
+        return np.asarray(np.rint(where).astype(np.int64) * self.k)
+
+    def directions(self, layout: Layout) -> Ints:
+        """Grid direction (A, 2) along which each arm points."""
+        step = GRID_DIRECTIONS @ self.basis
+        unit = step / np.linalg.norm(step, axis=1, keepdims=True)
+        arm = layout.arm_tip - layout.centres[layout.arm_star]
+        best = np.argmax(arm @ unit.T, axis=1)
+        off = np.abs(cross_2d(arm, unit[best])) > ON_LINE_TOLERANCE * np.linalg.norm(self.basis[0])
+        if off.any():
+            star = layout.star_number[layout.arm_star[np.argmax(off)]]
+            raise MeshError(f"an arm of star {star} does not lie on a line of the lattice")
+        return np.asarray(GRID_DIRECTIONS[best])
+
+    def window(self, low: Floats, high: Floats) -> Ints:
+        """Grid points (n, 2) in the box from `low` to `high` (2,) in mm and a little around it, sorted."""
+        corners = np.array([[x, y] for x in (low[0], high[0]) for y in (low[1], high[1])])
+        span = self.lattice_coordinates(corners - self.origin) * self.k
+        (i0, j0), (i1, j1) = np.floor(span.min(axis=0)).astype(int), np.ceil(span.max(axis=0)).astype(int)
+        ij = np.stack(np.meshgrid(np.arange(i0, i1 + 1), np.arange(j0, j1 + 1), indexing="ij"), axis=-1).reshape(-1, 2)
+        where = self.place(ij)
+        return ij[((where >= low - self.edge_mm) & (where <= high + self.edge_mm)).all(axis=1)]
+
+
+def _is_right_angled(a: Floats, b: Floats) -> bool:
+    """Whether two lattice vectors (2,) are perpendicular."""
+    return bool(abs(a @ b) < ON_LINE_TOLERANCE * (a @ a))
+
+
+class _GridPatch:
+    """Some points of a grid, the triangles and edges between them, and the way back from grid coordinates."""
+
+    def __init__(self, grid: _LatticeGrid, ij: Ints) -> None:
+        self.grid, self.ij = grid, ij
+        self.low = ij.min(axis=0) - 1
+        self.table = np.full(np.ptp(ij, axis=0) + 3, -1, dtype=np.int64)
+        self.table[tuple((ij - self.low).T)] = np.arange(len(ij))
+
+    def index(self, ij: Ints) -> Ints:
+        """Number of each grid point (..., 2) in the patch, -1 for those outside."""
+        shifted = ij - self.low
+        known = ((shifted >= 0) & (shifted < self.table.shape)).all(axis=-1)
+        shifted = np.where(known[..., None], shifted, 0)
+        return np.asarray(np.where(known, self.table[shifted[..., 0], shifted[..., 1]], -1))
+
+    @cached_property
+    def _ahead(self) -> Ints:
+        """(3, n) the neighbours of all points in the first three directions, -1 for those outside.
+
+        In right-angled cells (4, n), with both diagonals.
+        """
+        at = (self.ij - self.low).T
+        steps = GRID_DIRECTIONS[:3].tolist() + ([[1, 1]] if self.grid.right_angled else [])
+        return np.array([self.table[at[0] + i, at[1] + j] for i, j in steps])
+
+    def paths(self, lines: Sequence[Ints]) -> list[Ints]:
+        """Numbers of the grid points of each line (n, 2), all at once."""
+        if not lines:
+            return []
+        return np.split(self.index(np.concatenate(lines)), np.cumsum([len(line) for line in lines])[:-1])
+
+    def triangles(self) -> Ints:
+        """Triangles (T, 3), counterclockwise, all of whose corners are in the patch."""
+        own, ahead = np.arange(len(self.ij)), self._ahead
+        triangles = np.concatenate([np.column_stack([own, ahead[q], ahead[q + 1]]) for q in (0, 1)])
+        return np.asarray(triangles[triangles.min(axis=1) >= 0])
+
+    def harmonic(self, known: NDArray[np.bool_], values: Floats) -> Floats:
+        """Values (n, 2), given at `known` points, continued to the others so that each is its neighbours' mean."""
+        ends, free = self._ahead.ravel(), np.flatnonzero(~known)
+        result = np.where(known[:, None], values, 0.0)
+        if not len(free):
+            return result
+        own = np.tile(np.arange(len(known)), len(self._ahead))[ends >= 0]
+        ahead = csr_array((np.ones(len(own)), (own, ends[ends >= 0])), shape=2 * (len(known),))
+        joins = (ahead + ahead.T)[free]
+        between = diags_array(joins.sum(axis=1) + HOLDING_WEIGHT) - joins[:, free]
+        factor = splu(between.tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
+        result[free] = factor.solve(joins @ result)
+        return result
+
+
+@dataclass(frozen=True)
+class _Stations:
+    """Grid points of the arms, and all grid points that are moved to a place."""
+
+    centres: Ints  # (S, 2) grid points of the stars
+    arms: tuple[Ints, ...]  # one (n + 1, 2) array of grid points an arm, from the star's centre to the tip
+    # ij, places: (P, 2) grid points, and their places in mm; a point may occur more than once.
+    ij: Ints
+    places: Floats
+
+
+@dataclass
+class _ArmLinks:
+    """The grid points ahead of the star of each arm (A, ...): `count` edges to the place `end` (mm), `taken` by it."""
+
+    start: Ints
+    step: Ints
+    count: Ints
+    end: Floats
+    taken: Ints
+
+
+# from grid points and directions (A, 2), the number (A,) of grid edges to the outline and the places (A, 2) mm there
+_ToOutline = Callable[[Ints, Ints], tuple[Ints, Floats]]
+
+
+def _arm_stations(layout: Layout, grid: _LatticeGrid, to_outline: _ToOutline | None = None) -> _Stations:
+    """Spread every arm evenly over grid edges, and the gap behind its tip over those left on its link."""
+    links, centres = _links(layout, grid, to_outline), grid.centres(layout)
+    centre, tip, length = layout.centres[layout.arm_star], layout.arm_tip, layout.arm_length
+    other = _others(links)
+    facing = other >= 0
+    overlap = facing & (length + length[other] > np.linalg.norm(links.end - centre, axis=1) + grid.tolerance)
+    if overlap.any():
+        one = int(np.argmax(overlap))
+        raise MeshError(f"arms {one} and {other[one]} overlap")
+    meeting = np.linalg.norm(tip[other] - tip, axis=1) <= grid.tolerance
+    for one in np.flatnonzero(facing & (np.arange(len(other)) < other)).tolist():
+        pair = [one, int(other[one])]
+        links.taken[pair] = _shared(int(links.count[one]), links.taken[pair], length[pair], bool(meeting[one]))
+    left = links.count - np.where(facing, links.taken[other], 0) - links.taken
+    end = np.where(facing[:, None], tip[other], links.end)
+    edge = length / links.taken
+    edge = np.where(left > 0, np.minimum(edge, np.linalg.norm(end - tip, axis=1) / np.maximum(left, 1)), edge)
+    if (edge < MIN_STATION_EDGE_FACTOR * grid.edge_mm).any():
+        one = int(np.argmax(edge < MIN_STATION_EDGE_FACTOR * grid.edge_mm))
+        raise MeshError(f"arm {one} leaves too little room for a mesh edge at its tip")
+    arm, number = _numbered(links.taken)
+    on_arms = links.start[arm] + number[:, None] * links.step[arm]
+    gap = np.flatnonzero(left > 0)
+    which, ahead = _numbered(left[gap])
+    first = links.start + links.taken[:, None] * links.step
+    in_gaps = first[gap][which] + ahead[:, None] * links.step[gap][which]
+    ij = [in_gaps, centres, on_arms]
+    places = [_even(tip[gap], end[gap], left[gap]), layout.centres, _even(centre, tip, links.taken)]
+    arms = tuple(np.split(on_arms, np.cumsum(links.taken + 1)[:-1])) if len(length) else ()
+    return _Stations(centres, arms, np.concatenate(ij), np.concatenate(places))
+
+
+def _links(layout: Layout, grid: _LatticeGrid, to_outline: _ToOutline | None) -> _ArmLinks:
+    """The link of every arm: up to the lattice point at or behind its tip, or to the outline."""
+    centres, step, length = grid.centres(layout), grid.directions(layout), layout.arm_length
+    start, centre = centres[layout.arm_star], layout.centres[layout.arm_star]
+    spacing = np.linalg.norm(step @ grid.basis, axis=1)
+    steps = np.maximum(np.ceil(length / spacing - ON_LINE_TOLERANCE), 1).astype(np.int64)
+    stars = {(*ij,) for ij in centres.tolist()}
+    for arm in np.flatnonzero(steps > 1).tolist():
+        if any((*(start[arm] + n * grid.k * step[arm]).tolist(),) in stars for n in range(1, steps[arm])):
+            raise MeshError(f"arm {arm} runs through another star")
+    count = steps * grid.k
+    end = grid.place(start + count[:, None] * step)
+    if to_outline is not None:
+        edges, there = to_outline(start, step)
+        cut = edges < count
+        count[cut], end[cut] = edges[cut], there[cut]
+    reach = np.linalg.norm(end - centre, axis=1)
+    off = (length <= 0) | (count < 1) | (length > reach + ON_LINE_TOLERANCE * spacing)
+    if off.any():
+        raise MeshError(f"arm {np.argmax(off)} has no length, or leaves the sheet")
+    part = np.clip(np.rint(length / reach * count), 1, count - 1).astype(np.int64)
+    taken = np.where(np.linalg.norm(end - layout.arm_tip, axis=1) > ON_LINE_TOLERANCE * spacing, part, count)
+    if not taken.all():
+        raise MeshError(f"arm {np.argmin(taken)} needs a shorter mesh edge")
+    return _ArmLinks(start, step, count, end, taken)
+
+
+def _others(links: _ArmLinks) -> Ints:
+    """(A,) the arm that comes from the other end of each link, -1 for none."""
+    ends = {(*row,): arm for arm, row in enumerate(np.hstack([links.start, links.step]).tolist())}
+    ahead = np.hstack([links.start + links.count[:, None] * links.step, -links.step])
+    return np.array([ends.get((*row,), -1) for row in ahead.tolist()], dtype=np.int64)
+
+
+def _shared(count: int, taken: Ints, length: Floats, meeting: bool) -> Ints:
+    """(2,) the grid edges of a link, divided between the arms from both its ends: all if they meet, else leave one."""
+    room = count if meeting else count - 1
+    if room < 2:
+        raise MeshError("arms from both ends of a link need a shorter mesh edge")
+    one, other = (int(number) for number in taken)
+    if meeting:
+        one = min(max(round(float(length[0] / length.sum()) * room), 1), room - 1)
+        other = room - one
+    while one + other > room:
+        # the arm whose edges are the shorter ones gives one up
+        edges = [part / number if number > 1 else np.inf for part, number in zip(length, (one, other), strict=True)]
+        one, other = (one - 1, other) if edges[0] <= edges[1] else (one, other - 1)
+    return np.array([one, other])
+
+
+def _numbered(count: Ints) -> tuple[Ints, Ints]:
+    """Row and number 0 ... n of the points of rows that have `count` (A,) n edges each."""
+    row = np.repeat(np.arange(len(count)), count + 1)
+    return row, np.arange(len(row)) - (np.cumsum(count + 1) - count - 1)[row]
+
+
+def _even(first: Floats, last: Floats, count: Ints) -> Floats:
+    """(P, 2) places from each first one (A, 2) to the last, n equal edges apart; the ends exactly."""
+    row, number = _numbered(count)
+    places = number[:, None] * ((last - first) / count[:, None])[row] + first[row]
+    places[np.cumsum(count + 1) - 1] = last
+    return places
+
+
+def _moved(
+    patch: _GridPatch, stations: _Stations, pins: Floats, ring: Ints | None = None, outline: Floats | None = None
+) -> Floats:
+    """Places (n, 2) of all points of a patch: on arms, in gaps, on each pin, and the others smoothly between.
+
+    Parameters
+    ----------
+    pins : (P, 2) mm; each gets the nearest point that is on no arm.
+    ring, outline : (R,) points on the outline, and their places (R, 2) mm.
+    """
+    at = patch.index(stations.ij)
+    taken, places = np.zeros(len(patch.ij), dtype=bool), patch.grid.place(patch.ij)
+    if ring is not None:
+        taken[ring], places[ring] = True, outline
+    known = taken.copy()
+    known[at[at >= 0]] = True
+    places[at[at >= 0]] = stations.places[at >= 0]
+    if np.abs(places[at] - stations.places)[at >= 0].max(initial=0) > patch.grid.tolerance:
+        raise MeshError("two arms need the same grid point")
+    printed = patch.index(np.concatenate([stations.centres, *stations.arms]))
+    if printed.min(initial=0) < 0:
+        raise MeshError("a star or an arm leaves the sheet")
+    taken[printed] = True
+    points = _spread(patch, known, places)
+    missing = pins[cKDTree(points[taken]).query(pins)[0] > PIN_VERTEX_TOLERANCE_MM] if len(pins) else pins
+    for pin in missing:
+        away = np.where(taken, np.inf, np.linalg.norm(points - pin, axis=1))
+        nearest = int(np.argmin(away))
+        if away[nearest] > patch.grid.edge_mm:
+            raise MeshError(f"no free grid point near the pin at ({pin[0]:g}, {pin[1]:g}) mm")
+        taken[nearest], known[nearest], places[nearest] = True, True, pin
+    return _spread(patch, known, places) if len(missing) else points
+
+
+def _spread(patch: _GridPatch, known: NDArray[np.bool_], places: Floats) -> Floats:
+    """All points, evenly between the known ones."""
+    natural = patch.grid.place(patch.ij)
+    points = natural + patch.harmonic(known, places - natural)
+    return points + _off_squares(patch, known) if patch.grid.right_angled else points
+
+
+def _off_squares(patch: _GridPatch, known: NDArray[np.bool_]) -> Floats:
+    """(n, 2) mm by which free points leave exact squares, whose two diagonals are equally good, symmetrically.
+
+    With offsets (u, v) from a lattice point, in lattice vectors, the points move along the gradient of
+    `sin^2(pi u) sin^2(pi v)`. Its mixed derivative has one sign between two mirror lines, so that the diagonals there
+    are parallel, and mirrored beyond.
+    """
+    u, v = (np.pi * patch.ij / patch.grid.k).T
+    along = np.column_stack([np.sin(2.0 * u) * np.sin(v) ** 2, np.sin(u) ** 2 * np.sin(2.0 * v)])
+    return np.where(known[:, None], 0.0, OFF_SQUARE_SHIFT / patch.grid.k * along @ patch.grid.basis)

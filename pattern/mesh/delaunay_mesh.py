@@ -68,8 +68,7 @@ def delaunay_mesh(layout: Layout, edge_mm: float, seed: int = 0, splits: int = M
     if layout.drawn is not None:  # a short piece between two nodes is one edge
         least[length < 0.5 * edge_mm] = 1.0
     step = length / np.maximum(np.rint(length / edge_mm), least)
-    ends = np.concatenate([layout.arm_tip, layout.centres, pins])
-    on_outline = outline_points(layout.outline, edge_mm, ends, tolerance, np.zeros((0, 2)))
+    on_outline = outline_points(layout.outline, edge_mm, pins, tolerance, np.zeros((0, 2)))
     frame = _Frame(on_outline, step, np.full(len(layout.holes), edge_mm))
     best, best_angle = None, -1.0
     if layout.drawn is not None and splits == MAX_SPLITS:
