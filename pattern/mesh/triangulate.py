@@ -14,10 +14,7 @@ from asterism.pattern.geometry.planar import distance_to_segment, is_in_sorted, 
 
 # closer than this, relative to the extent of the input, points count as one and segments as touching
 COINCIDENCE_TOLERANCE = 1e-8
-MAX_REFINED_TRIANGLES = 2_000_000
-
-# loose ends that are taken off lines of segments, one segment at a time, before loops are looked for
-MAX_PEELED_SEGMENTS = 30
+MAX_ADDED_POINTS = 1_000_000
 
 
 def triangulate(
@@ -60,14 +57,23 @@ def triangulate(
     unit = (p - centre) / scale
     holes_at = (h - centre) / scale
     _check_geometry(unit, s)
-    area = _check_region(unit, s, holes_at)
-    options, room = _options(unit, min_angle_deg, None if max_area is None else max_area / scale**2)
+    area = _enclosed_area(unit, s, holes_at)
+    options, room = "p", 20.0 * len(p)
+    if min_angle_deg is not None:
+        options += f"q{min_angle_deg:.6f}"
+    if max_area is not None:
+        smallest = max(max_area / scale**2, 1e-12)
+        options += f"a{smallest:.20f}"
+        room += 2 * np.prod(np.ptp(unit, axis=0)) / smallest
+    room = min(int(room), MAX_ADDED_POINTS)
+    if options != "p":
+        options += f"YYS{room}"
     data = {"vertices": unit, "segments": s.astype(np.int32)}
     if len(h):
         data["holes"] = holes_at
     result = triangle.triangulate(data, options)
     mesh, triangles = np.asarray(result["vertices"]), np.asarray(result.get("triangles", ()), dtype=np.int64)
-    if room and len(mesh) - len(p) >= room:
+    if len(mesh) - len(p) >= room:
         raise MeshError(f"the mesh would need more than {room} points: use a longer edge")
     _check_result(mesh, triangles.reshape(-1, 3), s, area)
     return np.concatenate([p, mesh[len(p) :] * scale + centre]), triangles
@@ -121,9 +127,9 @@ def _check_geometry(p: Floats, s: Ints) -> None:
         raise MeshError(f"segments {first[k]} and {second[k]} cross")
 
 
-def _check_region(p: Floats, s: Ints, holes: Floats) -> float:
-    """The area that the segments enclose without the holes, if all points and segments are in it."""
-    faces = shapely.get_parts(shapely.polygonize(shapely.linestrings(p[_closed(s, len(p))])))
+def _enclosed_area(p: Floats, s: Ints, holes: Floats) -> float:
+    """The area that the segments enclose without the holes; each hole must be inside a loop of its own."""
+    faces = shapely.get_parts(shapely.polygonize(shapely.linestrings(p[s])))
     if len(holes):
         inside, face = shapely.STRtree(faces).query(shapely.points(holes), predicate="within")
         beside = distance_to_segment(holes[:, None], *p[s].swapaxes(0, 1)).min(axis=1) <= COINCIDENCE_TOLERANCE
@@ -133,58 +139,7 @@ def _check_region(p: Floats, s: Ints, holes: Floats) -> float:
         faces = np.delete(faces, face)
     if not len(faces):
         raise MeshError("the segments enclose no region")
-    shapely.prepare(faces)
-    middles = p[s].mean(axis=1)
-    out = _outside(faces, middles)
-    # the middles of the loops' own segments
-    on = shapely.STRtree(shapely.points(middles[out])).query(
-        faces, predicate="dwithin", distance=COINCIDENCE_TOLERANCE
-    )[1]
-    out[np.flatnonzero(out)[on]] = False
-    if out.any():
-        raise MeshError(f"segment {np.argmax(out)} lies outside what the segments enclose")
-    free = np.ones(len(p), dtype=bool)
-    free[s] = False
-    free[free] = _outside(faces, p[free])
-    if free.any():
-        raise MeshError(f"point {np.argmax(free)} lies outside what the segments enclose")
     return float(shapely.area(faces).sum())
-
-
-def _closed(s: Ints, n: int) -> Ints:
-    """The segments that may be part of a loop: most of a sheet's belong to arms, which end freely."""
-    for _ in range(MAX_PEELED_SEGMENTS):
-        kept = (np.bincount(s.ravel(), minlength=n)[s] > 1).all(axis=1)
-        if kept.all():
-            break
-        s = s[kept]
-    return s
-
-
-def _outside(faces: NDArray[np.object_], points: Floats) -> NDArray[np.bool_]:
-    """Which points (k,) no face holds in its inside."""
-    out = np.ones(len(points), dtype=bool)
-    out[shapely.STRtree(shapely.points(points)).query(faces, predicate="contains")[1]] = False
-    return out
-
-
-def _options(p: Floats, min_angle_deg: float | None, max_area: float | None) -> tuple[str, int]:
-    """Triangle's switches, and how many points it may add (0: it adds none)."""
-    if min_angle_deg is None and max_area is None:
-        return "p", 0
-    expected = 20.0 * len(p)
-    options = "pYY"
-    if min_angle_deg is not None:
-        options += f"q{min_angle_deg:.6f}"
-    if max_area is not None:
-        expected += 2 * np.prod(np.ptp(p, axis=0)) / max_area
-        options += f"a{max_area:.20f}"
-    if expected > MAX_REFINED_TRIANGLES:
-        raise MeshError(
-            f"about {expected:.2g} triangles would be needed, more than {MAX_REFINED_TRIANGLES}: use a longer edge"
-        )
-    room = int(expected)
-    return f"{options}S{room}", room
 
 
 def _check_result(p: Floats, t: Ints, s: Ints, area: float) -> None:
@@ -201,7 +156,7 @@ def _check_result(p: Floats, t: Ints, s: Ints, area: float) -> None:
         and is_in_sorted(edges[count == 1], np.sort(codes)).all()
         and count.max() <= 2
     ):
-        raise MeshError("the mesh does not follow the segments")
+        raise MeshError("points or segments lie outside what the segments enclose")
 
 
 def _codes(pairs: Ints, n: int) -> Ints:
