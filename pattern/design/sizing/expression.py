@@ -55,9 +55,10 @@ class ExpressionError(ValueError):
     """A formula that cannot be evaluated; the message completes "the formula ..."."""
 
 
-def check_expression(text: str) -> None:
-    """Raise `ExpressionError` unless the formula is made of known names, numbers and operations."""
+def checked_expression(text: str) -> str:
+    """The formula itself; `ExpressionError` unless it is made of known names, numbers and operations."""
     evaluate(text, {name: np.ones(1) for name in FORMULA_VARIABLES})
+    return text
 
 
 def evaluate(text: str, variables: Mapping[str, Floats]) -> Floats:

@@ -5,28 +5,25 @@ from __future__ import annotations
 import binascii
 import zlib
 from abc import abstractmethod
-from functools import reduce
-from operator import or_
 from pathlib import Path
-from typing import Annotated, Any, ClassVar, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 from pydantic import (
-    BeforeValidator,
-    Discriminator,
+    AfterValidator,
     Field,
-    GetCoreSchemaHandler,
-    Tag,
+    PlainValidator,
+    SerializeAsAny,
+    TypeAdapter,
+    ValidationError,
     ValidationInfo,
-    field_validator,
     model_validator,
 )
-from pydantic_core import CoreSchema
 
 from asterism.equilibrium.arrays import Floats
-from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.errors import DesignError, from_validation
 from asterism.pattern.design.section import Flag, Number, Point, Section, Text, Whole
-from asterism.pattern.design.sizing.expression import ExpressionError, check_expression, evaluate
+from asterism.pattern.design.sizing.expression import checked_expression, evaluate
 from asterism.pattern.design.sizing.grey_image import MAX_PIXELS_A_SIDE, ImageError, pack_image, read_grey, unpack_image
 
 DistanceMm = Annotated[Number, Field(gt=0, le=1e4)]
@@ -34,20 +31,7 @@ Power = Annotated[Number, Field(gt=0, le=100)]
 
 
 class Profile(Section):
-    """A quantity that varies over the sheet.
-
-    A new profile is a subclass in `PROFILES`. A design file selects it by its key.
-    """
-
-    # name of the profile. In a design file, a table belongs to this profile if it has `profile = "<key>"`.
-    key: ClassVar[str]
-    # a table belongs to this profile if it has the key `<key>` itself, as `{ formula = "..." }`.
-    is_marked_by_key: ClassVar[bool] = False
-
-    @classmethod
-    def describes(cls, table: dict[Any, Any]) -> bool:
-        """Whether a table of the design file belongs to this profile."""
-        return cls.key in table if cls.is_marked_by_key else table.get("profile") == cls.key
+    """A quantity that varies over the sheet. A new profile is a subclass in `NAMED_PROFILES`."""
 
     @abstractmethod
     def at(self, points: Floats) -> Floats:
@@ -76,7 +60,6 @@ class AxisProfile(GradientProfile):
     `axis = "x"` varies along x: the distance is |x - centre x|.
     """
 
-    key: ClassVar[str] = "axis"
     profile: Literal["axis"]
     axis: Literal["x", "y"]
     over_mm: DistanceMm
@@ -97,18 +80,7 @@ class FormulaProfile(Profile):
     [5.5]
     """
 
-    key: ClassVar[str] = "formula"
-    is_marked_by_key: ClassVar[bool] = True
-    formula: Text
-
-    @field_validator("formula")
-    @classmethod
-    def _is_readable(cls, text: str) -> str:
-        try:
-            check_expression(text)
-        except ExpressionError as problem:
-            raise DesignError("", str(problem), text) from None
-        return text
+    formula: Annotated[Text, AfterValidator(checked_expression)]
 
     def at(self, points: Floats) -> Floats:
         """(n,) values at the printed points (n, 2) mm; not finite where the formula has no value."""
@@ -119,7 +91,6 @@ class FormulaProfile(Profile):
 class LinearProfile(GradientProfile):
     """From the value at `start_mm` to the value at `end_mm`, constant across."""
 
-    key: ClassVar[str] = "linear"
     profile: Literal["linear"]
     start_mm: Point
     end_mm: Point
@@ -144,8 +115,6 @@ class PictureProfile(Profile):
     does not read the file again.
     """
 
-    key: ClassVar[str] = "image"
-    is_marked_by_key: ClassVar[bool] = True
     image: Text  # path relative to the design file
     # low, high: values at black and at white.
     low: Number
@@ -190,17 +159,14 @@ class PictureProfile(Profile):
 
     def at(self, points: Floats) -> Floats:
         """(n,) values at the printed points (n, 2) mm."""
+        from scipy.ndimage import map_coordinates  # slow to import, rarely used
+
         grey = self._grey_values()[::-1]  # rows from the bottom, as y counts
-        size = np.array(grey.shape[::-1])
         # pixel centres are half a pixel inside the extent
         place = (points - np.asarray(self.centre_mm)) / np.asarray(self.extent_mm) + 0.5
-        column, row = np.clip(place * size - 0.5, 0, size - 1).T
-        i, j = np.minimum(row.astype(int), size[1] - 1), np.minimum(column.astype(int), size[0] - 1)
-        up, right = np.minimum(i + 1, size[1] - 1), np.minimum(j + 1, size[0] - 1)
-        u, v = column - j, row - i
-        below = (1 - u) * grey[i, j] + u * grey[i, right]
-        above = (1 - u) * grey[up, j] + u * grey[up, right]
-        return np.asarray(self.low + (self.high - self.low) * ((1 - v) * below + v * above))
+        columns, rows = (place * grey.shape[::-1] - 0.5).T
+        between = map_coordinates(grey, [rows, columns], order=1, mode="nearest")
+        return np.asarray(self.low + (self.high - self.low) * between)
 
 
 class RadialProfile(GradientProfile):
@@ -213,7 +179,6 @@ class RadialProfile(GradientProfile):
     [10.0, 7.0, 4.0]
     """
 
-    key: ClassVar[str] = "radial"
     profile: Literal["radial"]
     over_mm: DistanceMm
     centre_mm: Point = (0.0, 0.0)
@@ -235,7 +200,6 @@ class TableProfile(Profile):
     [3.0, 4.0]
     """
 
-    key: ClassVar[str] = "table"
     profile: Literal["table"]
     distance_mm: tuple[Number, ...] = Field(min_length=2, max_length=1000)
     values: tuple[Number, ...] = Field(min_length=2, max_length=1000)
@@ -262,29 +226,34 @@ class TableProfile(Profile):
         return np.asarray(np.interp(distance, self.distance_mm, self.values))
 
 
-PROFILES: dict[str, type[Profile]] = {
-    each.key: each for each in (AxisProfile, FormulaProfile, PictureProfile, LinearProfile, RadialProfile, TableProfile)
+# by the value of `profile` in a table of the design file
+NAMED_PROFILES: dict[Any, type[Profile]] = {
+    "axis": AxisProfile,
+    "linear": LinearProfile,
+    "radial": RadialProfile,
+    "table": TableProfile,
 }
+# by a key of the table, as `{ formula = "..." }`, whatever else is in it
+MARKED_PROFILES: dict[str, type[Profile]] = {"formula": FormulaProfile, "image": PictureProfile}
+_NUMBER: TypeAdapter[float] = TypeAdapter(Number, config=Section.model_config)
 
 
-def _branch(value: Any) -> str:
-    """Which member of the union a value of the file belongs to."""
+def _read(value: Any, info: ValidationInfo) -> float | Profile:
+    """The number or the profile that a value of the design file is."""
     if isinstance(value, Profile):
-        return f"kind:{value.key}"
-    if isinstance(value, str):
-        return "kind:unknown"
-    if not isinstance(value, dict):
-        return "kind:number"
-    # a table marked by its own key is that, whatever else is in it
-    ordered = sorted(PROFILES.values(), key=lambda profile: not profile.is_marked_by_key)
-    return f"kind:{next((profile.key for profile in ordered if profile.describes(value)), 'unknown')}"
-
-
-def _refuse(value: Any) -> None:
-    """Say what a sizing field may be."""
+        return value
+    try:
+        if not isinstance(value, dict | str):
+            return _NUMBER.validate_python(value)
+        if isinstance(value, dict):
+            marked = [kind for key, kind in MARKED_PROFILES.items() if key in value]
+            named = [kind for key, kind in NAMED_PROFILES.items() if key == value.get("profile")]
+            for kind in marked or named:
+                return kind.model_validate(value, context=info.context)
+    except ValidationError as error:
+        raise from_validation(error) from None
     if isinstance(value, dict) and "profile" in value:
-        named = [key for key, profile in PROFILES.items() if not profile.is_marked_by_key]
-        raise DesignError("profile", f"must be {', '.join(named)}", value["profile"])
+        raise DesignError("profile", f"must be {', '.join(NAMED_PROFILES)}", value["profile"])
     hint = ""
     if isinstance(value, str):
         hint = "; numbers have no quotes" if _is_number(value) else '; a formula is written { formula = "..." }'
@@ -299,18 +268,7 @@ def _is_number(text: str) -> bool:
     return True
 
 
-class _RegisteredProfiles:
-    """Validates a number or a table by the registered profiles."""
-
-    @classmethod
-    def __get_pydantic_core_schema__(cls, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        members: list[Any] = [Annotated[Number, Tag("kind:number")]]
-        members += [Annotated[profile, Tag(f"kind:{key}")] for key, profile in PROFILES.items()]
-        members.append(Annotated[Any, BeforeValidator(_refuse), Tag("kind:unknown")])
-        return handler.generate_schema(Annotated[reduce(or_, members), Discriminator(_branch)])
-
-
-SizingField = Annotated[float | Profile, _RegisteredProfiles]
+SizingField = Annotated[float | SerializeAsAny[Profile], PlainValidator(_read)]
 
 
 def sample(field: float | Profile, points: Floats) -> Floats:

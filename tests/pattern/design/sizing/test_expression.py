@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from asterism.pattern.design.sizing.expression import ExpressionError, check_expression, evaluate
+from asterism.pattern.design.sizing.expression import ExpressionError, checked_expression, evaluate
 
 AT = {
     "x": np.array([3.0, -1.0]),
@@ -50,7 +50,7 @@ def test_values(text, expected):
 )  # fmt: skip
 def test_refused(text):
     with pytest.raises(ExpressionError):
-        check_expression(text)
+        checked_expression(text)
 
 
 @pytest.mark.parametrize("text", ["9**9**9**9**9", "10**400", "exp(1e9)", "1/0", "log(-1)", "(-1)**0.5"])
@@ -71,9 +71,9 @@ def test_any_text_is_a_value_or_refused(text):
 def test_long_sums_are_not_deep() -> None:
     assert evaluate("+".join(["0.1*x"] * 80), AT) == pytest.approx(8.0 * AT["x"])
     with pytest.raises(ExpressionError, match="nested at most 40 deep"):
-        check_expression("-" * 60 + "1")
+        checked_expression("-" * 60 + "1")
 
 
 def test_functions_take_their_arguments_in_order() -> None:
     with pytest.raises(ExpressionError, match="has min with arguments by name"):
-        check_expression("min(x=1, y=2)")
+        checked_expression("min(x=1, y=2)")
