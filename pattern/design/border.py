@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Literal, Self
+from typing import Annotated, Literal, Self
 
 import numpy as np
 import shapely
@@ -12,7 +12,7 @@ from pydantic import Field, model_validator
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.rods import DrawnCircle
-from asterism.pattern.design.section import Line, Number, Point, Section, Text, Whole
+from asterism.pattern.design.section import Line, Number, Point, Section, Text, Whole, within
 from asterism.pattern.geometry.planar import distance_to_segment
 
 MAX_SHEET_MM = 5000.0
@@ -74,7 +74,8 @@ class Border(Section):
 
     # hexagon around this many rings of stars about the central one (triangular lattice only).
     rings: Whole | None = Field(None, ge=0, le=40)
-    rectangle_mm: Point | None = None  # width and height, centred on the origin
+    # width and height, centred on the origin
+    rectangle_mm: Annotated[Point, within(1, MAX_SHEET_MM, " mm")] | None = None
     # corners in order, clockwise or counterclockwise.
     polygon_mm: tuple[Point, ...] | None = Field(None, min_length=3, max_length=1000)
     # a circle or an ellipse; its edges are straight pieces that begin on the x axis.
@@ -103,8 +104,6 @@ class Border(Section):
         for name in ("layer", "units"):
             if self.file is None and getattr(self, name) is not None:
                 raise DesignError(name, "goes with file", getattr(self, name))
-        if self.rectangle_mm is not None and not all(1 <= side <= MAX_SHEET_MM for side in self.rectangle_mm):
-            raise DesignError("rectangle_mm", f"must be two sides from 1 to {MAX_SHEET_MM:g} mm", self.rectangle_mm)
         if self.circle_mm is not None and not np.all(
             np.abs(self.circle_mm.centre) + self.circle_mm.half_axes <= MAX_SHEET_MM
         ):

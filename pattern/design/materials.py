@@ -6,11 +6,11 @@ from typing import Annotated, Any, Literal, NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from pydantic import Discriminator, Field, Tag, ValidationInfo, field_validator, model_validator
+from pydantic import Discriminator, Field, Tag, model_validator
 
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.errors import DesignError
-from asterism.pattern.design.section import MassDensity, Number, NumberOrPair, Section
+from asterism.pattern.design.section import MassDensity, Number, NumberOrPair, Section, within
 
 CurvaturePerMm = Annotated[Number, Field(ge=-1, le=1)]
 HINGES_POISSON = -1.0 / 3.0  # Poisson's ratio of the paper's hinges as a plate
@@ -20,12 +20,6 @@ _DEFAULT_MODULUS_MPA = 7.1875  # of the paper's fabric
 MIN_EXPONENT, MAX_EXPONENT = 0.5, 6.0
 # of tensors that a motion keeps
 _SAME_DIRECTION = 1e-6
-# least and largest value of a number or of both, and its unit
-_RANGES = {
-    "stretch": (1.0, 3.0, " (printed length over released length)"),
-    "modulus_mpa": (1e-3, 1e5, ""),
-    "bending_stiffness_n_mm": (1e-6, 1e4, ""),
-}
 
 
 class ResidualCurvature(Section):
@@ -114,12 +108,13 @@ def _both(value: float | tuple[float, float]) -> tuple[float, float]:
 class Fabric(Section):
     """The stretched fabric, the same in all directions or orthotropic: with moduli along and across its grain."""
 
-    stretch: NumberOrPair = 1.35  # printed length over released length, the same in x and y or one for each
+    # printed length over released length, the same in x and y or one for each
+    stretch: Annotated[NumberOrPair, within(1.0, 3.0, " (printed length over released length)")] = 1.35
     # thickness_mm, density_kg_m3: of the released fabric; the density is used by gravity only.
     thickness_mm: Number = Field(0.8, ge=0.01, le=10)
     # Young's modulus, or one along and one across the grain. Without gravity only its ratio to the plastic's matters
     # for the shape.
-    modulus_mpa: NumberOrPair = _DEFAULT_MODULUS_MPA
+    modulus_mpa: Annotated[NumberOrPair, within(1e-3, 1e5)] = _DEFAULT_MODULUS_MPA
     # of shear between along and across; by default Huber's `sqrt(E1 E2)/(2 (1 + poisson))`, but at most the largest of
     # `shear_range`.
     shear_modulus_mpa: Number | None = Field(None, ge=1e-4, le=1e5)
@@ -134,16 +129,8 @@ class Fabric(Section):
     bending: Literal["paper", "plate", "consistent", "none"] = "plate"
     # measured bending stiffness of a plate for each mm of width, in place of those; or of strips along and across the
     # grain.
-    bending_stiffness_n_mm: NumberOrPair | None = None
+    bending_stiffness_n_mm: Annotated[NumberOrPair, within(1e-6, 1e4)] | None = None
     density_kg_m3: MassDensity = 400.0
-
-    @field_validator("stretch", "modulus_mpa", "bending_stiffness_n_mm")
-    @classmethod
-    def _in_range(cls, value: Any, info: ValidationInfo) -> Any:
-        low, high, unit = _RANGES[str(info.field_name)]
-        if value is not None and not all(low <= each <= high for each in np.atleast_1d(value)):
-            raise DesignError("", f"must be from {low:g} to {high:g}{unit}", value)
-        return value
 
     @model_validator(mode="after")
     def _is_stable(self) -> Self:

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, field_validator, model_validator
 
 from asterism.pattern.design.errors import DesignError
-from asterism.pattern.design.section import Number, Place, Point, Section, Whole
+from asterism.pattern.design.section import Number, Place, Point, Section, Whole, within
 
-MAX_PIN_PLACE_MM = 1e4
+NearPlace = Annotated[Place, within(-1e4, 1e4, " mm")]
 
 
 class Pins(Section):
@@ -33,10 +33,10 @@ class Pins(Section):
     holes: tuple[Whole, ...] | None = Field(None, min_length=1, max_length=1000)
     # the pins stand at `scale` times the printed place, about the origin, at the height z = 0.
     scale: Number = Field(1.0, ge=1e-3, le=10)
-    offset_mm: Place = (0.0, 0.0, 0.0)  # moves the pins from there
+    offset_mm: NearPlace = (0.0, 0.0, 0.0)  # moves the pins from there
     # places of the pins in space, one a point; in place of `scale` and `offset_mm`. For edges that follow each other,
     # one for each of their corners: they are held along a smooth curve through these places.
-    target_mm: tuple[Place, ...] | None = None
+    target_mm: tuple[NearPlace, ...] | None = None
     slide: Literal["z", "plane"] | None = None  # leaves the sheet free to slide along "z", or in the "plane" z = 0
     # pins of step 0 support the sheet during its release. Pins of steps 1, 2, ... move the released sheet to their
     # places, in this order.
@@ -58,11 +58,6 @@ class Pins(Section):
             raise DesignError("target_mm", "does not go with holes, but scale and offset_mm do", self.target_mm)
         if self.target_mm is not None and (self.scale != 1 or any(self.offset_mm)):
             raise DesignError("target_mm", "stands alone, without scale and offset_mm", self.target_mm)
-        components = [*self.offset_mm, *(component for place in self.target_mm or () for component in place)]
-        largest = max(components, key=abs)
-        if abs(largest) > MAX_PIN_PLACE_MM:
-            key = "target_mm" if self.target_mm else "offset_mm"
-            raise DesignError(key, f"must be within {MAX_PIN_PLACE_MM:.0f} mm", largest)
         if len(self.target_mm or ()) > 1 and len(set(self.target_mm or ())) == 1:
             raise DesignError("target_mm", "must not be one place for all points", self.target_mm)
         return self

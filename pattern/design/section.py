@@ -68,6 +68,18 @@ def _density(value: float) -> float:
     return value
 
 
+def within(low: float, high: float, unit: str = "") -> AfterValidator:
+    """Refuses a number or a tuple of numbers outside a range, which may be the same to both sides of 0."""
+
+    def check(value: Any) -> Any:
+        if not all(low <= each <= high for each in np.ravel(value)):
+            limits = f"within {high:g}" if low == -high else f"from {low:g} to {high:g}"
+            raise DesignError("", f"must be {limits}{unit}", value)
+        return value
+
+    return AfterValidator(check)
+
+
 MassDensity = Annotated[Number, Field(ge=0, le=MAX_DENSITY_KG_M3), AfterValidator(_density)]
 
 

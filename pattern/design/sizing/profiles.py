@@ -22,7 +22,7 @@ from pydantic import (
 
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.errors import DesignError, from_validation
-from asterism.pattern.design.section import Flag, Number, Point, Section, Text, Whole
+from asterism.pattern.design.section import Flag, Number, Point, Section, Text, Whole, within
 from asterism.pattern.design.sizing.expression import checked_expression, evaluate
 from asterism.pattern.design.sizing.grey_image import MAX_PIXELS_A_SIDE, ImageError, pack_image, read_grey, unpack_image
 
@@ -119,7 +119,8 @@ class PictureProfile(Profile):
     # low, high: values at black and at white.
     low: Number
     high: Number
-    extent_mm: Point  # width and height on the sheet. Points outside have the value of the nearest edge.
+    # width and height on the sheet. Points outside have the value of the nearest edge.
+    extent_mm: Annotated[Point, within(0.1, 1e4, " mm")]
     centre_mm: Point = (0.0, 0.0)
     # pixels, grey: columns and rows, and the grey values (0-255, rows from the top) compressed as text.
     pixels: tuple[Whole, Whole] | None = None
@@ -139,8 +140,6 @@ class PictureProfile(Profile):
 
     @model_validator(mode="after")
     def _is_complete(self) -> PictureProfile:
-        if not all(0.1 <= size <= 1e4 for size in self.extent_mm):
-            raise DesignError("extent_mm", "must be a width and a height from 0.1 to 10000 mm", self.extent_mm)
         if self.pixels is None or not all(1 <= side <= MAX_PIXELS_A_SIDE for side in self.pixels):
             allowed = f"must be columns and rows, 1 to {MAX_PIXELS_A_SIDE}, with grey"
             raise DesignError("pixels", allowed, self.pixels)
