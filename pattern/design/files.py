@@ -8,12 +8,13 @@ import math
 import os
 import re
 import stat
-import sys
 import tomllib
 import uuid
 from collections import Counter
 from pathlib import Path
 from typing import Any
+
+import platformdirs
 
 from asterism.pattern.design.errors import DesignError
 
@@ -183,8 +184,4 @@ def own_folders() -> list[Path]:
 
 def user_folder() -> Path:
     """The folder of the user's settings for asterism, where the operating system keeps such folders."""
-    if sys.platform == "win32":
-        return Path(os.environ.get("APPDATA", Path.home())) / "asterism"
-    if sys.platform == "darwin":
-        return Path.home() / "Library" / "Application Support" / "asterism"
-    return Path(os.environ.get("XDG_CONFIG_HOME", Path.home() / ".config")) / "asterism"
+    return platformdirs.user_config_path("asterism", appauthor=False, roaming=True)

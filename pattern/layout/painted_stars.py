@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from asterism.equilibrium.arrays import Ints
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.stars import Override, Site
-from asterism.pattern.layout.star_cells import outline, star_cells
+from asterism.pattern.layout.star_cells import outline, site_of, star_cells
 
 SIZE_KEYS = ("length_mm", "thickness_mm", "width_mm")
 NO_SIZES = (None, None, None)
@@ -70,11 +70,7 @@ def overrides_by_site(design: Design) -> list[Override]:
     cells = star_cells(design.border, lattice, outline(design.border, lattice)) if numbered else np.empty((0, 2))
     out: list[Override] = []
     for entry in entries:
-        site = entry.site
-        if entry.star is not None and entry.star < len(cells):
-            site = tuple(cells[entry.star].tolist())
-        elif entry.at_mm is not None:
-            site = tuple(lattice.sites.nearest(np.asarray(entry.at_mm)[None])[0].tolist())
+        site = site_of(entry, cells, lattice)
         out.append(entry.model_copy(update={"star": None, "at_mm": None, "site": site}) if site else entry)
     return out
 

@@ -14,7 +14,7 @@ from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.design.rods import DrawnCircle
 from asterism.pattern.design.sizing.profiles import sample
-from asterism.pattern.design.stars import FACES, MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM, Override, Stars
+from asterism.pattern.design.stars import FACES, MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM, Override, Site, Stars
 
 # A star is meant by `at_mm` within this part of the spacing: too close to be mistaken for a neighbour.
 MAX_STAR_MISS_SPACINGS = 0.1
@@ -148,15 +148,6 @@ class StarSizes:
         return np.column_stack([self.length, self.thickness[:, 0, 0], self.width[:, 0, 0]])
 
 
-@dataclass(frozen=True)
-class _Change:
-    """An entry of `stars.override`, the number of its star, and the name of the entry in messages."""
-
-    star: int
-    entry: Override
-    name: str
-
-
 def star_sizes(stars: Stars, sites: Ints, lattice: Lattice) -> StarSizes:
     """The sizes of all stars; an arm is at most as long as the spacing.
 
@@ -173,26 +164,18 @@ def star_sizes(stars: Stars, sites: Ints, lattice: Lattice) -> StarSizes:
         assert stars.length_fraction is not None  # a section has one of both
         length = spacing * sample(stars.length_fraction, centres)
     changes, ignored = _changes(stars, sites, centres, lattice)
-    for change in changes:
-        if change.entry.length_mm is not None:
-            value, star = change.entry.length_mm, change.star
-            _check_one(f"{change.name}.length_mm", value, (0.0, spacing), centres, star)
-            length[star] = value
+    _set_own(length, changes, "length_mm", (0.0, spacing), centres)
     tips = centres[:, None, :] + np.clip(np.nan_to_num(length), 0, spacing)[:, None, None] * arm_directions
     both = np.stack([np.broadcast_to(centres[:, None, :], tips.shape), tips], axis=2)
     at = both if stars.vary_along_arms else np.broadcast_to(both[:, :, :1], both.shape)
     thickness = sample(stars.thickness_mm, at.reshape(-1, 2)).reshape(at.shape[:-1])
     width = sample(stars.width_mm, at.reshape(-1, 2)).reshape(at.shape[:-1])
-    values = {"thickness_mm": thickness, "width_mm": width}
-    limits = {"thickness_mm": THICKNESS_RANGE_MM, "width_mm": WIDTH_RANGE_MM}
+    sections = (("thickness_mm", thickness, THICKNESS_RANGE_MM), ("width_mm", width, WIDTH_RANGE_MM))
+    for key, values, limits in sections:
+        _set_own(values, changes, key, limits, centres)
     branch = np.full(len(centres), _SIGN[stars.branch], dtype=np.int64)
     side = np.full(len(centres), FACES[stars.side], dtype=np.int64)
-    for change in changes:
-        star, entry = change.star, change.entry
-        for key in values:
-            if (size := getattr(entry, key)) is not None:
-                _check_one(f"{change.name}.{key}", size, limits[key], centres, star)
-                values[key][star] = size
+    for star, (_, entry) in changes.items():
         if entry.branch is not None:
             branch[star] = _SIGN[entry.branch]
         if entry.side is not None:
@@ -203,67 +186,68 @@ def star_sizes(stars: Stars, sites: Ints, lattice: Lattice) -> StarSizes:
     unit = 1.0 if stars.length_fraction is None else spacing
     _check(field, length / unit, (0.0, spacing / unit), centres)
     printed = np.flatnonzero(length >= MIN_ARM_MM)
-    for key in values:
-        _check(f"stars.{key}", values[key][printed], limits[key], centres[printed], printed)
+    for key, values, limits in sections:
+        _check(f"stars.{key}", values[printed], limits, centres[printed], printed)
     thickness, width = np.minimum(thickness, THICKNESS_RANGE_MM[1]), np.minimum(width, WIDTH_RANGE_MM[1])
     return StarSizes(np.minimum(length, spacing), thickness, width, branch, side, ignored)
 
 
-def _changes(stars: Stars, sites: Ints, centres: Floats, lattice: Lattice) -> tuple[list[_Change], Ints]:
+def site_of(entry: Override, sites: Ints, lattice: Lattice) -> Site | None:
+    """The lattice site of an entry of `stars.override`; None if it names none of the stars at sites (S, 2)."""
+    if entry.star is not None:
+        return tuple(sites[entry.star].tolist()) if entry.star < len(sites) else None
+    return entry.site if entry.at_mm is None else tuple(lattice.sites.nearest(np.array([entry.at_mm]))[0].tolist())
+
+
+# entries of `stars.override` and their names in messages, by the numbers of their stars
+_Changes = dict[int, tuple[str, Override]]
+
+
+def _changes(stars: Stars, sites: Ints, centres: Floats, lattice: Lattice) -> tuple[_Changes, Ints]:
     """The entries of `stars.override`, at most one a star, and (k, 2) the sites of those that are off the sheet."""
-    changes: dict[int, _Change] = {}
-    ignored: dict[tuple[int, int], None] = {}
+    changes: _Changes = {}
+    ignored: dict[Site, None] = {}
     number_at = {(i, j): number for number, (i, j) in enumerate(sites.tolist())}
     for number, entry in enumerate(stars.override):
         name = f"stars.override[{number}]"
-        if entry.site is not None and entry.site not in number_at:
-            if entry.site in ignored:
-                raise DesignError(name, f"changes site {list(entry.site)} again: write its changes in one entry")
-            ignored[entry.site] = None
-            continue
-        star = (
-            number_at[entry.site] if entry.site is not None else _changed_star(entry, number_at, centres, lattice, name)
-        )
-        if star in changes:
+        site = site_of(entry, sites, lattice)
+        if site is None:
+            raise DesignError(f"{name}.star", f"must be at most {len(centres) - 1}, the last star", entry.star)
+        star = number_at.get(site)
+        if entry.at_mm is not None:
+            away = np.linalg.norm(centres - entry.at_mm, axis=1)
+            if star is None or away[star] > MAX_STAR_MISS_SPACINGS * lattice.spacing_mm:
+                x, y = centres[int(away.argmin())]
+                message = f"has no star there, the nearest is at [{x:.3f}, {y:.3f}]"
+                raise DesignError(f"{name}.at_mm", message, entry.at_mm, place_mm=entry.at_mm)
+        if star is None:
+            if site in ignored:
+                raise DesignError(name, f"changes site {list(site)} again: write its changes in one entry")
+            ignored[site] = None
+        elif star in changes:
             again = f"changes star {star} again: write its changes in one entry"
             raise DesignError(name, again, stars=[star], place_mm=centres[star])
-        changes[star] = _Change(star, entry, name)
-    return list(changes.values()), np.array(list(ignored), dtype=np.int64).reshape(-1, 2)
+        else:
+            changes[star] = name, entry
+    return changes, np.array(list(ignored), dtype=np.int64).reshape(-1, 2)
 
 
-def _changed_star(
-    entry: Override, number_at: dict[tuple[int, int], int], centres: Floats, lattice: Lattice, name: str
-) -> int:
-    """Number of the star that an entry with `star` or `at_mm` changes."""
-    if entry.star is not None:
-        if entry.star >= len(centres):
-            raise DesignError(f"{name}.star", f"must be at most {len(centres) - 1}, the last star", entry.star)
-        return entry.star
-    place = np.asarray(entry.at_mm)
-    i, j = lattice.sites.nearest(place[None])[0].tolist()
-    star = number_at.get((i, j))
-    if star is None or np.linalg.norm(centres[star] - place) > MAX_STAR_MISS_SPACINGS * lattice.spacing_mm:
-        x, y = centres[int(np.linalg.norm(centres - place, axis=1).argmin())]
-        message = f"has no star there, the nearest is at [{x:.3f}, {y:.3f}]"
-        raise DesignError(f"{name}.at_mm", message, entry.at_mm, place_mm=entry.at_mm)
-    return star
-
-
-def _check_one(field: str, value: float, limits: tuple[float, float], centres: Floats, star: int) -> None:
-    """Refuse a size of one star outside the limits."""
-    low, high = limits
-    if not low <= value <= high + SIZE_LIMIT_SLACK * high:
-        _check(field, np.array([value]), limits, centres[[star]], [star])
+def _set_own(values: Floats, changes: _Changes, key: str, limits: tuple[float, float], centres: Floats) -> None:
+    """Set the sizes (S, ...) of the stars whose entry has this key, if they are within the limits."""
+    own = {star: size for star, (_, entry) in changes.items() if (size := getattr(entry, key)) is not None}
+    stars, sizes = list(own), np.array(list(own.values()))
+    _check([f"{changes[star][0]}.{key}" for star in stars], sizes, limits, centres[stars], stars)
+    values[stars] = sizes.reshape(-1, *[1] * (values.ndim - 1))
 
 
 def _check(
-    field: str,
+    field: str | Sequence[str],
     values: Floats,
     limits: tuple[float, float],
     centres: Floats,
     numbers: Sequence[int] | Ints | None = None,
 ) -> None:
-    """Refuse values (S, ...) outside the limits; the message names the first such star."""
+    """Refuse values (S, ...) outside the limits; the message names the first such star, and its field."""
     low, high = limits
     allowed = (values >= low) & (values <= high + SIZE_LIMIT_SLACK * high)
     refused = np.flatnonzero(~allowed.all(axis=tuple(range(1, allowed.ndim))))
@@ -273,4 +257,5 @@ def _check(
     value = float(values[star][~allowed[star]].flat[0])
     number = star if numbers is None else numbers[star]
     allowed_range = f"must be from {low:g} to {high:.6g} at star {number} at [{x:.2f}, {y:.2f}]"
-    raise DesignError(field, allowed_range, value, stars=[number], place_mm=(x, y))
+    name = field if isinstance(field, str) else field[star]
+    raise DesignError(name, allowed_range, value, stars=[number], place_mm=(x, y))
