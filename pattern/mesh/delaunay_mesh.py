@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,17 +39,16 @@ MERGE_DISTANCE_SPACINGS = 1e-6
 
 @dataclass(frozen=True)
 class _Frame:
-    """Lines of the mesh: points (n, 2) mm along the outline, and the length (mm) of each rod's segments.
+    """Lines of the mesh: points (n, 2) mm along the outline, and the length (mm) of the segments of rods, then holes.
 
-    `hole_step` is that (mm) of each hole's edge. Where rods run along the outline or a hole, the rods have the points.
+    Where rods run along the outline or a hole, the rods have the points.
     """
 
     outline: Floats
     step: Floats
-    hole_step: Floats
 
 
-def delaunay_mesh(layout: Layout, edge_mm: float, seed: int = 0, splits: int = MAX_SPLITS) -> Mesh:
+def delaunay_mesh(layout: Layout, edge_mm: float, seed: int = 0, draft: bool = False) -> Mesh:
     """Triangles of about 30 degrees or more, with even segments along every rod and the outline.
 
     Parameters
@@ -57,7 +56,7 @@ def delaunay_mesh(layout: Layout, edge_mm: float, seed: int = 0, splits: int = M
     edge_mm : wished length of an edge. Rods get at least two segments, more where they curve, and shorter ones where
         ends come close to other rods or to the outline.
     seed : another seed gives another mesh of the same quality, to see how much a result depends on the mesh.
-    splits : how often segments beside flat triangles are halved at most.
+    draft : segments beside flat triangles are not halved.
     """
     check_edge(layout, edge_mm)
     pins, tolerance = pins_on_sheet(layout), _tolerance(layout)
@@ -69,11 +68,10 @@ def delaunay_mesh(layout: Layout, edge_mm: float, seed: int = 0, splits: int = M
         least[length < 0.5 * edge_mm] = 1.0
     step = length / np.maximum(np.rint(length / edge_mm), least)
     on_outline = outline_points(layout.outline, edge_mm, pins, tolerance, np.zeros((0, 2)))
-    frame = _Frame(on_outline, step, np.full(len(layout.holes), edge_mm))
+    frame = _Frame(on_outline, np.append(step, np.full(len(layout.holes), edge_mm)))
     best, best_angle = None, -1.0
-    if layout.drawn is not None and splits == MAX_SPLITS:
-        splits = MAX_DRAWN_SPLITS
-    for _ in range(splits + 1):
+    splits = MAX_SPLITS if layout.drawn is None else MAX_DRAWN_SPLITS
+    for _ in range(1 if draft else splits + 1):
         mesh = _mesh(layout, frame, pins, edge_mm, seed)
         angles = triangle_angles(mesh.points, mesh.triangles).min(axis=1)
         if angles.min() > best_angle:
@@ -84,7 +82,7 @@ def delaunay_mesh(layout: Layout, edge_mm: float, seed: int = 0, splits: int = M
         poor[mesh.triangles[angles < POOR_ANGLE_DEG]] = True
         frame = _split(layout, frame, mesh, poor, edge_mm / 6)
     assert best is not None
-    if layout.drawn is not None and splits and best_angle < MIN_DRAWN_ANGLE_DEG:
+    if layout.drawn is not None and not draft and best_angle < MIN_DRAWN_ANGLE_DEG:
         flattest = best.triangles[triangle_angles(best.points, best.triangles).min(axis=1).argmin()]
         x, y = best.points[flattest].mean(axis=0)
         close = f"lines are too close together at [{x:.2f}, {y:.2f}] for triangles of {MIN_DRAWN_ANGLE_DEG:g} deg"
@@ -97,12 +95,12 @@ def _mesh(layout: Layout, frame: _Frame, pins: Floats, edge_mm: float, seed: int
     is_star = layout.drawn is None
     # ends of other arms that touch an arm are points of it; drawn rods are cut where they meet
     stops = np.concatenate([layout.centres, layout.arm_tip, pins]) if is_star else pins
-    steps = zip(layout.graph.rods, frame.step, strict=True)
-    lines = [points_along(rod, step, stops, _tolerance(layout), is_star) for rod, step in steps]
+    steps = iter(frame.step)
+    lines = [points_along(rod, next(steps), stops, _tolerance(layout), is_star) for rod in layout.graph.rods]
     outline = np.concatenate([lines[rod][:-1] for rod in layout.rim]) if layout.rim else frame.outline
     edges = [
         np.concatenate([lines[rod][:-1] for rod in rim]) if rim else points_around(hole, step, pins, _tolerance(layout))
-        for hole, rim, step in zip(layout.holes, layout.hole_rims, frame.hole_step, strict=True)
+        for hole, rim, step in zip(layout.holes, layout.hole_rims, steps, strict=True)
     ]
     parts = [layout.centres, outline, *edges, *lines, pins]
     vertex, points = clusters(np.concatenate(parts), _tolerance(layout))
@@ -125,18 +123,14 @@ def _mesh(layout: Layout, frame: _Frame, pins: Floats, edge_mm: float, seed: int
 
 def _split(layout: Layout, frame: _Frame, mesh: Mesh, poor: NDArray[np.bool_], shortest: float) -> _Frame:
     """Halve the segments of the rods and of the stretches of border that touch poor vertices."""
-    arms = np.array([poor[rod].any() for rod in mesh.rods], dtype=bool)
-    step = np.where(arms & (frame.step > 2 * shortest), frame.step / 2, frame.step)
-    holes = np.array([poor[hole].any() for hole in mesh.hole_vertices], dtype=bool)
-    hole_step = np.where(holes & (frame.hole_step > 2 * shortest), frame.hole_step / 2, frame.hole_step)
-    frame = replace(frame, step=step, hole_step=hole_step)
+    touched = np.array([poor[line].any() for line in (*mesh.rods, *mesh.hole_vertices)], dtype=bool)
+    step = np.where(touched & (frame.step > 2 * shortest), frame.step / 2, frame.step)
     if layout.rim:
-        return frame
+        return _Frame(frame.outline, step)
     start, end = frame.outline, np.roll(frame.outline, -1, axis=0)
     at = mesh.border_vertices
     halve = (poor[at] | poor[np.roll(at, -1)]) & (np.linalg.norm(end - start, axis=1) > 2 * shortest)
-    outline = np.insert(frame.outline, np.flatnonzero(halve) + 1, (start + end)[halve] / 2, axis=0)
-    return replace(frame, outline=outline)
+    return _Frame(np.insert(frame.outline, np.flatnonzero(halve) + 1, (start + end)[halve] / 2, axis=0), step)
 
 
 def _scattered(layout: Layout, points: Floats, edge_mm: float, seed: int) -> Floats:

@@ -7,7 +7,7 @@ from typing import Literal
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.aligned_mesh import aligned_mesh
-from asterism.pattern.mesh.delaunay_mesh import MAX_SPLITS, delaunay_mesh
+from asterism.pattern.mesh.delaunay_mesh import delaunay_mesh
 from asterism.pattern.mesh.graded_mesh import graded_mesh
 from asterism.pattern.mesh.mesh import Mesh
 
@@ -44,4 +44,4 @@ def _even_mesh(layout: Layout, edge_mm: float, kind: MeshKind, seed: int, draft:
         except MeshError as error:
             if kind == "aligned":
                 raise MeshError(f"mesh.kind = 'aligned': {error}; delaunay and auto mesh every sheet") from None
-    return delaunay_mesh(layout, edge_mm, seed, 0 if draft else MAX_SPLITS)
+    return delaunay_mesh(layout, edge_mm, seed, draft)
