@@ -77,11 +77,24 @@ class Layout:
 
     @cached_property
     def graph(self) -> RodGraph:
-        """All rods, and the nodes at which they meet: the drawing, or one rod an arm, in the order of the arms."""
+        """All rods, and the nodes at which they meet: the drawing, or one rod an arm, in the order of the arms.
+
+        Ends of arms of different stars that meet are one node.
+        """
         if self.drawn is not None:
             return self.drawn
-        sizes = self.arm_thickness, self.arm_width
-        return _star_graph(self.centres, self.star_side, self.arm_star, self.arm_tip, *sizes, self.meeting_mm)
+        count, places = len(self.centres), np.concatenate([self.centres, self.arm_tip])
+        node, nodes = np.arange(len(places)), places
+        if self.meeting_mm > 0.0:
+            node, nodes = clusters(places, self.meeting_mm)
+        points = np.stack([self.centres[self.arm_star], self.arm_tip], axis=1)
+        start, end = node[self.arm_star], node[count:]
+        arms = zip(points, start.tolist(), end.tolist(), self.arm_thickness, self.arm_width, strict=True)
+        star_of_arms = zip(arms, self.arm_star.tolist(), self.star_side[self.arm_star].tolist(), strict=True)
+        rods = tuple(Rod(*arm, group=star, side=side) for arm, star, side in star_of_arms)
+        touched = np.bincount(end, minlength=len(nodes)) > 0
+        stars = np.bincount(node[:count], minlength=len(nodes))
+        return RodGraph(nodes, rods, paired=np.flatnonzero((stars == 1) & ~touched))
 
     @cached_property
     def edges(self) -> SheetEdges:
@@ -235,35 +248,6 @@ class Layout:
             return np.full(len(points), np.inf)
         shapely.prepare(supports)
         return np.asarray(shapely.distance(supports, shapely.points(points)))
-
-
-def _star_graph(
-    centres: Floats, side: Ints, arm_star: Ints, tips: Floats, thickness: Floats, width: Floats, meeting: float
-) -> RodGraph:
-    """The arms as rods, in their order. Ends of arms of different stars that meet are one node.
-
-    Parameters
-    ----------
-    centres, side : (S, 2) mm and (S,), of the stars.
-    arm_star : (A,) star of each arm.
-    tips : (A, 2) mm.
-    thickness, width : (A, 2) mm, at the centre and at the tip.
-    meeting : mm, ends closer than this meet; 0 lets none meet.
-    """
-    places = np.concatenate([centres, tips])
-    node, nodes = clusters(places, meeting) if meeting > 0.0 else (np.arange(len(places)), places)
-    start, end = node[arm_star], node[len(centres) :]
-    touched = np.bincount(end, minlength=len(nodes)) > 0
-    stars = np.bincount(node[: len(centres)], minlength=len(nodes))
-    paired = np.flatnonzero((stars == 1) & ~touched)
-    points = np.stack([centres[arm_star], tips], axis=1)
-    sides = side[arm_star].tolist()
-    of_arms = zip(points, start.tolist(), end.tolist(), thickness, width, arm_star.tolist(), sides, strict=True)
-    rods = tuple(
-        Rod(ends, first, last, thick, wide, group=star, side=face)
-        for ends, first, last, thick, wide, star, face in of_arms
-    )
-    return RodGraph(nodes, rods, paired)
 
 
 def off_curves_mm(layout: Layout, vertices: int) -> float:

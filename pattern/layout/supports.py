@@ -201,11 +201,8 @@ class PinSet:
 
     def stands_as(self, other: PinSet) -> bool:
         """Whether another set that holds the same points holds them at the same places in space."""
-        if (self.target_mm is None) != (other.target_mm is None):
-            return False
-        if self.target_mm is not None and other.target_mm is not None:
-            return np.array_equal(self.target_mm, other.target_mm)
-        return self.scale == other.scale and self.offset_mm == other.offset_mm
+        mine, others = ((pins.target_mm, pins.scale, pins.offset_mm) for pins in (self, other))
+        return all(map(np.array_equal, mine, others))
 
     def is_active(self, step: int) -> bool:
         """Whether these pins support the sheet in a step."""

@@ -32,7 +32,6 @@ from asterism.pattern.mesh.outline_points import (
     PIN_VERTEX_TOLERANCE_MM,
     outline_points,
     pin_vertices,
-    pins_on_sheet,
 )
 from asterism.pattern.mesh.triangulate import triangulate
 
@@ -89,7 +88,7 @@ def aligned_mesh(layout: Layout, edge_mm: float, draft: bool = False) -> Mesh:
 
 def _hexagon_mesh(layout: Layout, grid: _LatticeGrid, hexagon: _HexagonBorder) -> Mesh:
     """The grid hexagon with its own connectivity, moved onto the border."""
-    patch, pins = hexagon.patch(grid), pins_on_sheet(layout)
+    patch, pins = hexagon.patch(grid), layout.pin_points
     ring, outline = patch.index(hexagon.ring), hexagon.places(pins, grid.tolerance)
     number = np.zeros(len(patch.ij), dtype=np.int64)
     number[ring] = np.arange(len(ring))
@@ -189,7 +188,7 @@ def _cut_mesh(layout: Layout, grid: _LatticeGrid, enough: float = np.inf) -> Mes
 
     The strip along the border is smoothed until all angles are `enough` (degrees).
     """
-    pins = pins_on_sheet(layout)
+    pins = layout.pin_points
     inner_pins = pins[distance_to_outline(pins, layout.outline) > grid.tolerance]
     patch = _patch_around(layout, grid)
     stations = _arm_stations(layout, grid)
@@ -457,16 +456,11 @@ def _arm_stations(layout: Layout, grid: _LatticeGrid, to_outline: _ToOutline | N
 
 
 def _links(layout: Layout, grid: _LatticeGrid, to_outline: _ToOutline | None) -> _ArmLinks:
-    """The link of every arm: up to the lattice point at or behind its tip, or to the outline."""
-    centres, step, length = grid.centres(layout), grid.directions(layout), layout.arm_length
-    start, centre = centres[layout.arm_star], layout.centres[layout.arm_star]
+    """The link of every arm: up to the next lattice point, or to the outline. No arm is longer than the spacing."""
+    start, step, length = grid.centres(layout)[layout.arm_star], grid.directions(layout), layout.arm_length
+    centre = layout.centres[layout.arm_star]
     spacing = np.linalg.norm(step @ grid.basis, axis=1)
-    steps = np.maximum(np.ceil(length / spacing - ON_LINE_TOLERANCE), 1).astype(np.int64)
-    stars = {(*ij,) for ij in centres.tolist()}
-    for arm in np.flatnonzero(steps > 1).tolist():
-        if any((*(start[arm] + n * grid.k * step[arm]).tolist(),) in stars for n in range(1, steps[arm])):
-            raise MeshError(f"arm {arm} runs through another star")
-    count = steps * grid.k
+    count = np.full(len(length), grid.k)
     end = grid.place(start + count[:, None] * step)
     if to_outline is not None:
         edges, there = to_outline(start, step)

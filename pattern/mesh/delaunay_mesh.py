@@ -17,7 +17,6 @@ from asterism.pattern.mesh.outline_points import (
     least_pieces,
     outline_points,
     pin_vertices,
-    pins_on_sheet,
     place_within,
     points_along,
     points_around,
@@ -59,7 +58,7 @@ def delaunay_mesh(layout: Layout, edge_mm: float, seed: int = 0, draft: bool = F
     draft : segments beside flat triangles are not halved.
     """
     check_edge(layout, edge_mm)
-    pins, tolerance = pins_on_sheet(layout), _tolerance(layout)
+    pins, tolerance = layout.pin_points, _tolerance(layout)
     length = np.array([rod.length for rod in layout.graph.rods])
     if (length <= tolerance).any():
         raise MeshError(f"arm {int(np.argmax(length <= tolerance))} has no length")

@@ -10,7 +10,7 @@ from scipy.spatial import cKDTree
 
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.errors import MeshError
-from asterism.pattern.geometry.planar import distance_to_outline, distance_to_segment, inside, turning_angles
+from asterism.pattern.geometry.planar import distance_to_segment, turning_angles
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.rods.graph import CORNER_DEG, Rod
 
@@ -113,19 +113,6 @@ def points_around(ring: Floats, step: float, pins: Floats, tolerance: float) -> 
 def place_within(ring: Floats) -> Floats:
     """(2,) mm, a place within a closed line (n, 2)."""
     return np.asarray(shapely.get_coordinates(shapely.point_on_surface(shapely.Polygon(ring)))[0])
-
-
-def pins_on_sheet(layout: Layout) -> Floats:
-    """The layout's pin points (P, 2) in mm; a point off the sheet is refused."""
-    points = layout.pin_points
-    on_border = distance_to_outline(points, layout.outline) <= PIN_VERTEX_TOLERANCE_MM
-    off = ~(on_border | inside(points, layout.outline))
-    for hole in layout.holes:
-        off |= inside(points, hole) & (distance_to_outline(points, hole) > PIN_VERTEX_TOLERANCE_MM)
-    if off.any():
-        x, y = points[np.argmax(off)]
-        raise MeshError(f"the pin at ({x:g}, {y:g}) mm is not on the sheet")
-    return points
 
 
 def pin_vertices(layout: Layout, points: Floats, rim_vertices: Ints) -> tuple[Ints, ...]:
