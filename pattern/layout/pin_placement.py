@@ -99,7 +99,7 @@ def _selected(pins: Pins, corners: Floats, name: str, holes: Sequence[Floats]) -
         return _NO_POINTS, tuple(edge for hole in numbers for edge in sheet.numbers(hole + 1).tolist())
     points = _snapped_to_outline(np.asarray(pins.points_mm), corners, f"{name}.points_mm")
     for hole in holes:
-        points = _snapped_to_ring(points, hole, PIN_TOLERANCE_MM)
+        points = _snapped(points, hole, shapely.linearrings([hole]))
     return points, ()
 
 
@@ -119,23 +119,22 @@ def _snapped_to_outline(points: Floats, corners: Floats, field: str) -> Floats:
     The space between a pin and the outline would be too narrow for good triangles.
     """
     tolerance = max(PIN_TOLERANCE_MM, 1e-6 * float(np.ptp(corners, axis=0).max()))
-    places = shapely.points(points)
-    off_sheet = shapely.distance(shapely.polygons(corners), places) > tolerance
+    off_sheet = shapely.distance(shapely.polygons(corners), shapely.points(points)) > tolerance
     if off_sheet.any():
         k = int(off_sheet.argmax())
         raise DesignError(f"{field}[{k}]", "must be on the sheet", points[k].round(4).tolist(), place_mm=points[k])
-    return _snapped_to_ring(points, corners, tolerance)
+    return _snapped(points, corners, shapely.linearrings([corners]), tolerance)
 
 
-def _snapped_to_ring(points: Floats, corners: Floats, tolerance: float) -> Floats:
-    """Points (P, 2); those within a tolerance (mm) of a corner or an edge of a ring (B, 2) are moved onto it."""
-    places, ring = shapely.points(points), shapely.linearrings(corners)
-    beside = shapely.distance(ring, places) <= tolerance
-    feet = shapely.get_coordinates(shapely.line_interpolate_point(ring, shapely.line_locate_point(ring, places)))
-    distance = np.linalg.norm(points[:, None] - corners, axis=2)
-    corner = corners[distance.argmin(axis=1)]
-    at_corner = distance.min(axis=1) <= tolerance
-    return np.where(at_corner[:, None], corner, np.where(beside[:, None], feet, points))
+def _snapped(points: Floats, ends: Floats, lines: NDArray[np.object_], tolerance: float = PIN_TOLERANCE_MM) -> Floats:
+    """Points (P, 2); those within a tolerance (mm) of an end (n, 2) of lines, or of a line, are moved onto it."""
+    places = shapely.points(points)
+    line = lines[shapely.STRtree(lines).nearest(places)]
+    foot = shapely.get_coordinates(shapely.line_interpolate_point(line, shapely.line_locate_point(line, places)))
+    beside = shapely.distance(line, places) <= tolerance
+    end = ends[shapely.STRtree(shapely.points(ends)).nearest(places)]
+    at_end = np.linalg.norm(points - end, axis=1) <= tolerance
+    return np.where(at_end[:, None], end, np.where(beside[:, None], foot, points))
 
 
 def snapped_to_lines(pins: PinSet, corners: Floats, ends: Floats, lines: NDArray[np.object_]) -> PinSet:
@@ -149,17 +148,10 @@ def snapped_to_lines(pins: PinSet, corners: Floats, ends: Floats, lines: NDArray
     """
     if not len(pins.points):
         return pins
-    places = shapely.points(pins.points)
-    inside = shapely.distance(shapely.linearrings(corners), places) > 1e-6 * float(np.ptp(corners, axis=0).max())
-    line = lines[shapely.STRtree(lines).nearest(places)]
-    beside = inside & (shapely.distance(line, places) <= PIN_TOLERANCE_MM)
-    if not beside.any():
-        return pins
-    foot = shapely.get_coordinates(shapely.line_interpolate_point(line, shapely.line_locate_point(line, places)))
-    end = ends[shapely.STRtree(shapely.points(ends)).nearest(places)]
-    at_end = np.linalg.norm(pins.points - end, axis=1) <= PIN_TOLERANCE_MM
-    on_line = np.where(at_end[:, None], end, foot)
-    return replace(pins, points=np.where(beside[:, None], on_line, pins.points))
+    from_outline = shapely.distance(shapely.linearrings(corners), shapely.points(pins.points))
+    is_inside = from_outline > 1e-6 * float(np.ptp(corners, axis=0).max())
+    points = np.where(is_inside[:, None], _snapped(pins.points, ends, lines), pins.points)
+    return pins if np.array_equal(points, pins.points) else replace(pins, points=points)
 
 
 def check_pins(sets: Sequence[PinSet], sheet: SheetEdges) -> None:
