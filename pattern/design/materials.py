@@ -74,17 +74,12 @@ class BendingStiffness(NamedTuple):
     d66: float
 
     @classmethod
-    def isotropic(cls, stiffness: float, poisson: float) -> BendingStiffness:
-        """The same in all directions.
+    def orthotropic(cls, d11: float, d22: float, poisson: float, shear: float = 1.0) -> BendingStiffness:
+        """From the stiffness in two directions, the geometric mean of both Poisson's ratios, and D66 over Huber's.
 
-        >>> BendingStiffness.isotropic(1.0, -0.5)
+        >>> BendingStiffness.orthotropic(1.0, 1.0, -0.5)
         BendingStiffness(d11=1.0, d12=-0.5, d22=1.0, d66=0.75)
         """
-        return cls.orthotropic(stiffness, stiffness, poisson)
-
-    @classmethod
-    def orthotropic(cls, d11: float, d22: float, poisson: float, shear: float = 1.0) -> BendingStiffness:
-        """From the stiffness in two directions, the geometric mean of both Poisson's ratios, and D66 over Huber's."""
         mean = float(np.sqrt(d11 * d22))
         return cls(d11, poisson * mean, d22, 0.5 * (1.0 - poisson) * mean * shear)
 

@@ -243,7 +243,7 @@ class Plate(Elements):
     >>> h = 3.0**0.5
     >>> points = np.array([[0, 0], [2, 0], [1, h], [3, h], [-1, h], [1, -h]])
     >>> triangles = np.array([[0, 1, 2], [1, 3, 2], [2, 4, 0], [0, 5, 1]])
-    >>> plate = Plate(triangles[:1], points, BendingStiffness.isotropic(8.0, 0.0), surrounding=triangles[1:])
+    >>> plate = Plate(triangles[:1], points, BendingStiffness.orthotropic(8.0, 8.0, 0.0), surrounding=triangles[1:])
     >>> sheet = np.column_stack([points, 0.0005 * (points**2).sum(axis=1)])
     >>> round(float(plate.energies(sheet.ravel())[0] / (8.0 * h * 0.001**2)), 3)
     1.0

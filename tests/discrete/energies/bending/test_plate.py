@@ -29,7 +29,7 @@ from tests.discrete.samples import rotation
 from tests.discrete.test_fabric import MESHES, MODULUS, POISSON, SHAPES, SIDE, THICKNESS, area, right_triangles
 
 STIFFNESS = MODULUS * THICKNESS**3 / (12.0 * (1.0 - POISSON**2))
-PLATE = BendingStiffness.isotropic(STIFFNESS, POISSON)
+PLATE = BendingStiffness.orthotropic(STIFFNESS, STIFFNESS, POISSON)
 KNIT = BendingStiffness(1.0, 0.3, 0.4, 0.2)
 CURVATURE = 0.04
 
@@ -256,7 +256,7 @@ def strip(mesh: str, edge: float, load: float) -> tuple[float, float]:
     hinges = interior_edges(triangles)
     parts = {
         "membrane": Membrane(triangles, points, sheet),
-        "plate": Plate(triangles, points, BendingStiffness.isotropic(1.0, 0.0)),
+        "plate": Plate(triangles, points, BendingStiffness.orthotropic(1.0, 1.0, 0.0)),
         "folds": Hinges(hinges, 0.0, fold=fold_coefficients(hinges, points, 1.0)),
     }
     length = SIDE - edge  # the first column of vertices is held, and so is the second
