@@ -59,11 +59,11 @@ class BlankSheetError(DesignError):
     """A sheet without a single arm to print; `asterism.shape.blank_sheet` has its shape."""
 
 
-def from_validation(error: ValidationError, file: str | Path | None = None) -> DesignError:
-    """The first of pydantic's errors as a `DesignError`."""
+def from_validation(error: ValidationError, file: str | Path | None = None, table: str = "") -> DesignError:
+    """The first of pydantic's errors as a `DesignError`; `table` is the table of the file that was read."""
     first = error.errors(include_url=False)[0]
     context = first.get("ctx", {})
-    field = _dotted(first["loc"])
+    field = _dotted((table, *first["loc"]) if table else first["loc"])
     if first["type"] == "missing":
         return DesignError(field, "is missing", file=file)
     if isinstance(cause := context.get("error"), DesignError):

@@ -109,8 +109,7 @@ def with_material_file(data: Mapping[str, Any], folder: Path) -> Mapping[str, An
     try:
         choice = MaterialChoice.model_validate(data["material"])
     except ValidationError as error:
-        inner = from_validation(error)
-        raise DesignError(f"material.{inner.field}", inner.allowed, inner.value) from None
+        raise from_validation(error, table="material") from None
     table = {name: value for name, value in data.items() if name != "material"}
     if choice.law is not None:
         table["material"] = {"law": str((folder / choice.law).absolute())}
@@ -139,8 +138,7 @@ def _values(path: Path, name: str) -> Iterator[tuple[tuple[str, str], Any]]:
         try:
             kind.model_validate(values)
         except ValidationError as error:
-            wrong = from_validation(error)
-            raise DesignError(f"{section}.{wrong.field}", wrong.allowed, wrong.value, path) from None
+            raise from_validation(error, path, section) from None
         for key, value in values.items():
             found = True
             yield (section, key), value
