@@ -36,7 +36,6 @@ WEIGHT_RANGE = (0.01, 100.0)
 # edges of the paper's meshes
 HINGE_EDGE_MM = 2.0
 USUAL_EDGES_PER_SPACING = 9
-MAX_WEIGHTED_SITES = 20_000
 
 
 class WeightedSite(Section):
@@ -60,7 +59,7 @@ class FitWeights(Section):
     weights : each for the cell of one lattice site; elsewhere the weight is 1.
     """
 
-    weights: tuple[WeightedSite, ...] = Field((), max_length=MAX_WEIGHTED_SITES)
+    weights: tuple[WeightedSite, ...] = Field((), max_length=20_000)
 
     @model_validator(mode="after")
     def _one_weight_a_site(self) -> Self:

@@ -10,12 +10,6 @@ from jaxtyping import Float
 
 # a piece of a curve turns by less than this, well below the angle that counts as a corner
 MAX_PIECE_TURN_RAD = np.radians(4.0)
-# pieces over those that constant curvature would need
-SPARE_PIECES = 1.2
-# smallest distance of a curve from its polyline over the size of the curve
-MIN_PRECISION = 1e-8
-# points of a spline in each span between its knots, at which its turn is measured
-SPAN_SAMPLES = 24
 
 
 def flattened(
@@ -39,7 +33,7 @@ def flattened(
     """
     places = curve(samples)
     # numbers beyond reason have no use for more points
-    curve_mm = max(curve_mm, MIN_PRECISION * float(np.ptp(places, axis=0).max()))
+    curve_mm = max(curve_mm, 1e-8 * float(np.ptp(places, axis=0).max()))
     step = np.diff(places, axis=0)
     length = np.linalg.norm(step, axis=1)
     heading = np.unwrap(np.arctan2(step[:, 1], step[:, 0]))
@@ -48,7 +42,8 @@ def flattened(
     # pieces of each sample's stretch: by the sagitta of a chord, k s^2/8, and by the turn of a piece
     inner = np.maximum(np.sqrt(turn * middle / (8.0 * curve_mm)), turn / MAX_PIECE_TURN_RAD)
     passed = np.concatenate([[0.0], np.cumsum(np.concatenate([inner[:1], 0.5 * (inner[1:] + inner[:-1]), inner[-1:]]))])
-    count = max(int(np.ceil(SPARE_PIECES * passed[-1])), 1)
+    # a few pieces more than constant curvature would need
+    count = max(int(np.ceil(1.2 * passed[-1])), 1)
     if passed[-1] <= 0.0:
         return places[[0, -1]]
     at = np.interp(np.linspace(0.0, passed[-1], count + 1), passed, samples)
@@ -62,5 +57,6 @@ def flattened_spline(
     curve_mm: float,
 ) -> Float[np.ndarray, "n 2"]:
     """(n, 2) points on a curve with corners at some of its knots, which increase; points repeat at inner knots."""
-    spans = (np.linspace(start, end, SPAN_SAMPLES + 1) for start, end in pairwise(knots))
+    # the turn of a span between two knots is measured at so many points
+    spans = (np.linspace(start, end, 25) for start, end in pairwise(knots))
     return np.concatenate([flattened(curve, samples, curve_mm) for samples in spans])

@@ -10,8 +10,6 @@ from asterism.equilibrium.arrays import Floats, Ints
 
 # Triangles with the nearest centroids, of which one holds a point.
 CANDIDATE_TRIANGLES = 12
-# a point on an edge may have a negative weight by a rounding error
-ROUNDING_WEIGHT = 1e-9
 
 
 class TriangleFinder:
@@ -102,8 +100,9 @@ def locate(printed: Floats, triangles: Ints, points: Floats, off_sheet_mm: float
         raise ValueError("a printed point is not a number")
     finder = TriangleFinder(printed, triangles)
     triangle, weights = finder.nearest(points)
-    # long triangles may hide their centroid from a point: those few points are tried in every triangle
-    for i in np.flatnonzero(weights.min(axis=1) < -ROUNDING_WEIGHT):
+    # long triangles may hide their centroid from a point: those few points are tried in every triangle; a point on an
+    # edge may have a negative weight by a rounding error
+    for i in np.flatnonzero(weights.min(axis=1) < -1e-9):
         triangle[i], weights[i] = finder.best_of_all(points[i])
     weights = clipped(weights)
     allowed = max(off_sheet_mm, 1e-9 * float(np.ptp(printed, axis=0).max()))

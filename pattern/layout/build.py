@@ -31,12 +31,8 @@ from asterism.pattern.rods.graph import RodGraph, close_rods, place_between
 if TYPE_CHECKING:
     from asterism.pattern.rods.drawn_graph import DrawnPattern
 
-# largest distance of the curved edge of a hole from its straight pieces, on sheets of stars; drawings have their own
-HOLE_CURVE_MM = 0.005
 # vertices of the exact model's mesh
 MAX_VERTICES = 400_000
-# ends of arms closer than this part of the spacing are one point, but for rounding
-MEETING_TOLERANCE_SPACINGS = 1e-6
 
 
 def layout(design: Design) -> Layout:
@@ -152,7 +148,8 @@ def _of_stars(design: Design) -> Layout:
         longest = float(sizes.length.max(initial=0.0))
         problem = f"must have at least one arm of {MIN_ARM_MM:g} mm on the sheet"
         raise BlankSheetError("stars", f"{problem}; the longest of the design is {longest:.3g} mm")
-    meeting = MEETING_TOLERANCE_SPACINGS * lattice.spacing_mm
+    # closer ends of arms are one point, but for rounding
+    meeting = 1e-6 * lattice.spacing_mm
     check_clear(centres[star], tips, star, width, meeting)
 
     lines, ends = shapely.linestrings(np.stack([centres[star], tips], axis=1)), np.concatenate([centres[star], tips])
@@ -265,7 +262,8 @@ def _kept_sheet(border: Border, lattice: Lattice) -> tuple[Floats, tuple[Floats,
     if border.holes:
         from asterism.pattern.rods.curves import check_holes, hole_rings  # slow to import; most designs have none
 
-        rings = hole_rings(border, HOLE_CURVE_MM)
+        # mm, from curved edges to their straight pieces, on sheets of stars; drawings have their own
+        rings = hole_rings(border, 0.005)
         check_holes(rings, corners, border.tip_margin_mm)
         holes = tuple(ring for _, ring in rings)
     return corners, holes, star_cells(border, lattice, corners, holes)

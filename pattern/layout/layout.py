@@ -16,11 +16,6 @@ from asterism.pattern.layout.sheet_edges import SheetEdges
 from asterism.pattern.layout.supports import PinSet, SupportSamples, all_points, sample_supports
 from asterism.pattern.rods.graph import Rod, RodGraph
 
-# a vertex on a curved outline is off the chord of another mesh by less than this part of the mean edge: chords turn by
-# at most 20 degrees, which is a distance of 0.05 chords, and edges of coarser meshes are at most three times as long
-OFF_SHEET_EDGES = 0.2
-# of the spacing: images of an outline under its symmetries are off it by less
-OFF_SYMMETRIC_SPACINGS = 2e-6
 # points of a drawn rod at which shapes are compared, and most rods that are compared
 COMPARED_POINTS_A_ROD = 9
 MAX_COMPARED_RODS = 1000
@@ -254,7 +249,8 @@ def off_curves_mm(layout: Layout, vertices: int) -> float:
     """`off_sheet_mm` if the sheet has a printed rim or holes, which may be curved; else that of symmetric images."""
     if layout.rim or layout.holes:
         return off_sheet_mm(layout, vertices)
-    return OFF_SYMMETRIC_SPACINGS * layout.spacing_mm
+    # images of an outline under its symmetries are off it by less
+    return 2e-6 * layout.spacing_mm
 
 
 def off_sheet_mm(layout: Layout, vertices: int) -> float:
@@ -267,4 +263,6 @@ def off_sheet_mm(layout: Layout, vertices: int) -> float:
     >>> round(off_sheet_mm(layout(load("dome")), 3781), 2)
     0.35
     """
-    return float(OFF_SHEET_EDGES * np.sqrt(layout.area_mm2 / vertices))
+    # a vertex on a curved outline is off the chord of another mesh by less than 0.2 mean edges: chords turn by at most
+    # 20 degrees, which is a distance of 0.05 chords, and edges of coarser meshes are at most three times as long
+    return float(0.2 * np.sqrt(layout.area_mm2 / vertices))

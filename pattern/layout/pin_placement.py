@@ -28,14 +28,8 @@ from asterism.pattern.layout.supports import (
 
 # length between two pins over the printed length; as large as `fabric.stretch` may be
 MAX_PULL = 3.0
-# a longer distance is no error of rounding between pins that are close to each other
-MIN_PULLED_MM = 20.0
-# pins whose pairs are compared; more pins are thinned out evenly
-MAX_COMPARED_PINS = 200
 # Pins closer than this to a corner, the outline, an arm or another pin are there: a needle is thicker.
 PIN_TOLERANCE_MM = 0.25
-# places closer than this to the edge of a hole are on it, but for rounding
-ON_EDGE_MM = 1e-6
 _NO_POINTS: Floats = np.empty((0, 2))
 
 
@@ -166,7 +160,8 @@ def check_pins(sets: Sequence[PinSet], sheet: SheetEdges) -> None:
     """
     for number, pin in enumerate(sets):
         for hole in sheet.rings[1:]:
-            in_hole = inside(pin.points, hole) & (distance_to_outline(pin.points, hole) > ON_EDGE_MM)
+            # closer places are on the edge, but for rounding
+            in_hole = inside(pin.points, hole) & (distance_to_outline(pin.points, hole) > 1e-6)
             if in_hole.any():
                 _refuse(number, "must be on the sheet, not in a hole", pin.points[int(in_hole.argmax())])
     if not sets:
@@ -241,14 +236,16 @@ def _check_reach(sets: Sequence[PinSet], edges: SheetEdges) -> None:
     The message names the second pin of the pair that is pulled most.
     """
     samples = [sample_supports([pins], edges) for pins in sets]
-    every = max(sum(len(each.printed) for each in samples) // MAX_COMPARED_PINS, 1)
+    # the pairs of about 200 places are compared; more places are thinned out evenly
+    every = max(sum(len(each.printed) for each in samples) // 200, 1)
     printed, places, _ = (np.concatenate(parts)[::every] for parts in zip(*samples, strict=True))
     owner = np.repeat(np.arange(len(sets)), [len(each.printed) for each in samples])[::every]
     first, second = np.triu_indices(len(printed), k=1)
     # along a direction in which one of both slides, they are as close as they can be
     apart = np.linalg.norm(np.nan_to_num(places[first] - places[second]), axis=1)
     reach = np.linalg.norm(printed[first] - printed[second], axis=1)
-    pull = np.where(apart > MIN_PULLED_MM, apart / np.maximum(reach, 1e-9), 0.0)
+    # a distance above 20 mm is no error of rounding between pins that are close to each other
+    pull = np.where(apart > 20.0, apart / np.maximum(reach, 1e-9), 0.0)
     sheet = shapely.Polygon(edges.rings[0], edges.rings[1:])
     half_way_round = 0.5 * float(shapely.length(sheet.exterior))
     for pair in np.argsort(-pull)[: np.count_nonzero(pull > MAX_PULL)]:

@@ -16,16 +16,8 @@ from asterism.pattern.design.rods import DrawnCircle
 from asterism.pattern.design.sizing.profiles import sample
 from asterism.pattern.design.stars import FACES, MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM, Override, Site, Stars
 
-# A star is meant by `at_mm` within this part of the spacing: too close to be mistaken for a neighbour.
-MAX_STAR_MISS_SPACINGS = 0.1
-# A size may exceed its upper limit by this part, as a spacing written with seven digits does.
-SIZE_LIMIT_SLACK = 1e-6
 _SIGN = {"up": 1, "down": -1, "free": 0}
 MAX_STARS_OF_DESIGN = 5000
-# largest distance of a round outline from the straight edges of the sheet
-ROUND_OUTLINE_MM = 0.1
-# cells in the box around the sheet that may be listed before those outside the outline are dropped
-MAX_LISTED_CELLS = 5_000_000
 
 
 def star_margin_mm(border: Border, lattice: Lattice) -> float:
@@ -80,7 +72,8 @@ def _check_count(lattice: Lattice, corners: Floats) -> None:
     low, high = _box(corners)
     cell = abs(np.linalg.det(lattice.vectors))
     cells = float(shapely.area(shapely.polygons(corners))) / cell
-    if cells > 20 * MAX_STARS_OF_DESIGN or np.prod(high - low) / cell > MAX_LISTED_CELLS:
+    # all cells in the box around the sheet are listed before those outside the outline are dropped
+    if cells > 20 * MAX_STARS_OF_DESIGN or np.prod(high - low) / cell > 5_000_000:
         raise DesignError("border", f"must hold at most {MAX_STARS_OF_DESIGN} stars, not about {cells:.0f}")
 
 
@@ -111,7 +104,8 @@ def outline(border: Border, lattice: Lattice) -> Floats:
 
 def _ellipse(circle: DrawnCircle) -> Floats:
     """(B, 2) mm, corners on a circle or an ellipse; a multiple of 12, for the symmetries of lattices."""
-    step = 2 * np.arccos(1 - ROUND_OUTLINE_MM / max(circle.half_axes))
+    # the outline is at most 0.1 mm from the straight edges of the sheet
+    step = 2 * np.arccos(1 - 0.1 / max(circle.half_axes))
     angle = np.linspace(0, 2 * np.pi, 12 * int(np.ceil(2 * np.pi / (12 * step))), endpoint=False)
     return np.asarray(circle.centre) + np.asarray(circle.half_axes) * np.column_stack([np.cos(angle), np.sin(angle)])
 
@@ -216,7 +210,8 @@ def _changes(stars: Stars, sites: Ints, centres: Floats, lattice: Lattice) -> tu
         star = number_at.get(site)
         if entry.at_mm is not None:
             away = np.linalg.norm(centres - entry.at_mm, axis=1)
-            if star is None or away[star] > MAX_STAR_MISS_SPACINGS * lattice.spacing_mm:
+            # a star is meant if it is too close to be mistaken for a neighbour
+            if star is None or away[star] > 0.1 * lattice.spacing_mm:
                 x, y = centres[int(away.argmin())]
                 message = f"has no star there, the nearest is at [{x:.3f}, {y:.3f}]"
                 raise DesignError(f"{name}.at_mm", message, entry.at_mm, place_mm=entry.at_mm)
@@ -249,7 +244,8 @@ def _check(
 ) -> None:
     """Refuse values (S, ...) outside the limits; the message names the first such star, and its field."""
     low, high = limits
-    allowed = (values >= low) & (values <= high + SIZE_LIMIT_SLACK * high)
+    # a size may exceed its upper limit a little, as a spacing written with seven digits does
+    allowed = (values >= low) & (values <= high + 1e-6 * high)
     refused = np.flatnonzero(~allowed.all(axis=tuple(range(1, allowed.ndim))))
     if len(refused) == 0:
         return

@@ -21,8 +21,6 @@ from asterism.pattern.layout.sheet_edges import SheetEdges
 if TYPE_CHECKING:
     from scipy.interpolate import CubicSpline
 
-# deg, corners of the outline with larger turns are sharp: the curve may have a kink there
-SHARP_CORNER_DEG = 30.0
 # Which of x, y, z are supported, by the value of `slide` in the design file.
 FIXED_BY_SLIDE = {None: (True, True, True), "z": (True, True, False), "plane": (False, False, True)}
 
@@ -123,7 +121,8 @@ class SupportCurve:
 
 def _sharp(corners: Floats, is_closed: bool) -> np.ndarray:
     """(k,) whether each corner (k, 2) of a chain is sharp; both ends only if it is closed."""
-    sharp = np.abs(turning_angles(corners[:-1] if is_closed else corners)) > np.radians(SHARP_CORNER_DEG)
+    # the curve may have a kink where the outline turns by more
+    sharp = np.abs(turning_angles(corners[:-1] if is_closed else corners)) > np.radians(30.0)
     if is_closed:
         return np.append(sharp, sharp[0])
     sharp[[0, -1]] = False

@@ -35,29 +35,13 @@ from asterism.pattern.mesh.outline_points import (
 )
 from asterism.pattern.mesh.triangulate import triangulate
 
-# free grid points keep this distance from the outline, in grid edges
-GRID_MARGIN_EDGES = 0.7
-# arms, and pins that are not on the outline, keep this distance from it, in grid edges
-ARM_MARGIN_EDGES = 0.1
-# arms whose tips are closer to the outline, in grid edges, get edges of half the length
-HALVED_GAP_EDGES = 0.3
-# points closer to the outline, in grid edges, are smoothed
-SMOOTHED_STRIP_EDGES = 2.6
 MAX_SMOOTHINGS = 4
-# points are added at triangles with a smaller angle: beside tips that end close to the outline
-REFINED_ANGLE_DEG = 28.0
 # meshes with a smaller angle are left to the Delaunay mesh, which refines narrow places
 MIN_ALIGNED_ANGLE_DEG = 15.0
-# if the grid itself has a smaller angle, a triangulation with additional points replaces it
-MIN_GRID_ANGLE_DEG = 22.0
 # points this close to a grid line are on it, in spacings
 ON_LINE_TOLERANCE = 1e-6
-# small weight that keeps points in place if no path connects them to a known point
-HOLDING_WEIGHT = 1e-9
 # shortest edge along arms and gaps, over the edge of the grid
 MIN_STATION_EDGE_FACTOR = 0.25
-# shift of grid points by which diagonals of squares are chosen, in grid edges: far above rounding, and invisible
-OFF_SQUARE_SHIFT = 1e-6
 
 
 def aligned_mesh(layout: Layout, edge_mm: float, draft: bool = False) -> Mesh:
@@ -78,7 +62,8 @@ def aligned_mesh(layout: Layout, edge_mm: float, draft: bool = False) -> Mesh:
     hexagon = _HexagonBorder.of(layout, grid)
     if hexagon is not None:
         try:
-            return checked(_hexagon_mesh(layout, grid, hexagon), layout, MIN_GRID_ANGLE_DEG)
+            # a triangulation with additional points replaces a grid with smaller angles
+            return checked(_hexagon_mesh(layout, grid, hexagon), layout, 22.0)
         except MeshError:
             # tips close to the outline and pins between grid points need additional points
             pass
@@ -179,10 +164,12 @@ def _cut_mesh(layout: Layout, grid: _LatticeGrid, enough: float = np.inf) -> Mes
     fixed[cKDTree(points).query(inner_pins)[1]] = True
     distance = distance_to_outline(points, layout.outline)
     within = inside(points, layout.outline)
-    if (fixed & ~(within & (distance >= ARM_MARGIN_EDGES * grid.edge_mm))).any():
+    # pins on the outline are not among the fixed points
+    if (fixed & ~(within & (distance >= 0.1 * grid.edge_mm))).any():
         raise MeshError("an arm or a pin is closer to the outline than a mesh edge allows")
     outline = outline_points(layout.outline, grid.edge_mm, pins, grid.tolerance, points[fixed])
-    keep = within & (distance > GRID_MARGIN_EDGES * grid.edge_mm) | fixed
+    # free grid points keep their distance from the outline
+    keep = within & (distance > 0.7 * grid.edge_mm) | fixed
     vertex = np.full(len(points), -1)
     vertex[keep] = np.arange(keep.sum()) + len(outline)
     rods = tuple(vertex[arm] for arm in arms)
@@ -190,9 +177,8 @@ def _cut_mesh(layout: Layout, grid: _LatticeGrid, enough: float = np.inf) -> Mes
     segments = np.concatenate(
         [np.column_stack([border, np.roll(border, -1)]), *(np.column_stack([r[:-1], r[1:]]) for r in rods)]
     )
-    still = np.concatenate(
-        [np.ones(len(outline), dtype=bool), fixed[keep] | (distance[keep] > SMOOTHED_STRIP_EDGES * grid.edge_mm)]
-    )
+    # points close to the outline are smoothed
+    still = np.concatenate([np.ones(len(outline), dtype=bool), fixed[keep] | (distance[keep] > 2.6 * grid.edge_mm)])
     points, triangles = _smoothed(np.concatenate([outline, points[keep]]), segments, still, enough)
     return Mesh(
         points=points,
@@ -218,7 +204,7 @@ def _halved(points: Floats, arms: list[Ints], layout: Layout, edge_mm: float) ->
     """Halve the edges of arms that end just inside the outline, where triangles must be small; points are added."""
     gap = distance_to_outline(layout.arm_tip, layout.outline)
     arms = list(arms)
-    for arm in np.flatnonzero((gap > ON_LINE_TOLERANCE * edge_mm) & (gap < HALVED_GAP_EDGES * edge_mm)):
+    for arm in np.flatnonzero((gap > ON_LINE_TOLERANCE * edge_mm) & (gap < 0.3 * edge_mm)):
         start, end = arms[arm][:-1], arms[arm][1:]
         arms[arm] = np.append(np.column_stack([start, len(points) + np.arange(len(start))]).ravel(), end[-1])
         points = np.concatenate([points, (points[start] + points[end]) / 2])
@@ -227,7 +213,8 @@ def _halved(points: Floats, arms: list[Ints], layout: Layout, edge_mm: float) ->
 
 def _smoothed(points: Floats, segments: Ints, still: NDArray[np.bool_], enough: float) -> tuple[Floats, Ints]:
     """Triangulate, and move the points that are not still to where their triangles are best, a few times."""
-    points, triangles = triangulate(points, segments, min_angle_deg=REFINED_ANGLE_DEG)
+    # points are added beside tips that end close to the outline
+    points, triangles = triangulate(points, segments, min_angle_deg=28.0)
     still = np.pad(still, (0, len(points) - len(still)))
     best, best_angle = (points, triangles), triangle_angles(points, triangles).min()
     for _ in range(MAX_SMOOTHINGS):
@@ -368,7 +355,8 @@ class _GridPatch:
         own = np.tile(np.arange(len(known)), len(self._ahead))[ends >= 0]
         ahead = csr_array((np.ones(len(own)), (own, ends[ends >= 0])), shape=2 * (len(known),))
         joins = (ahead + ahead.T)[free]
-        between = diags_array(joins.sum(axis=1) + HOLDING_WEIGHT) - joins[:, free]
+        # the small weight keeps points in place if no path connects them to a known point
+        between = diags_array(joins.sum(axis=1) + 1e-9) - joins[:, free]
         factor = splu(between.tocsc(), permc_spec="MMD_AT_PLUS_A", options={"SymmetricMode": True})
         result[free] = factor.solve(joins @ result)
         return result
@@ -542,4 +530,5 @@ def _off_squares(patch: _GridPatch, known: NDArray[np.bool_]) -> Floats:
     """
     u, v = (np.pi * patch.ij / patch.grid.k).T
     along = np.column_stack([np.sin(2.0 * u) * np.sin(v) ** 2, np.sin(u) ** 2 * np.sin(2.0 * v)])
-    return np.where(known[:, None], 0.0, OFF_SQUARE_SHIFT / patch.grid.k * along @ patch.grid.basis)
+    # a shift far above rounding, and invisible
+    return np.where(known[:, None], 0.0, 1e-6 / patch.grid.k * along @ patch.grid.basis)

@@ -30,10 +30,6 @@ MAX_SPLITS = 3
 # drawings may have narrower places than stars, and are refused if their triangles stay flatter than this
 MAX_DRAWN_SPLITS = 6
 MIN_DRAWN_ANGLE_DEG = 20.0
-# in units of the edge squared: refinement leaves a mean area of 0.6 of it, that of an equilateral triangle
-MAX_AREA_EDGES_SQUARED = 0.7
-# points closer than this part of the lattice distance are one vertex
-MERGE_DISTANCE_SPACINGS = 1e-6
 
 
 @dataclass(frozen=True)
@@ -109,11 +105,12 @@ def _mesh(layout: Layout, frame: _Frame, pins: Floats, edge_mm: float, seed: int
     off_rim = [np.column_stack([r[:-1], r[1:]]) for k, r in enumerate(rods) if k not in layout.rim]
     segments = np.concatenate([*(np.column_stack([ring, np.roll(ring, -1)]) for ring in (border, *around)), *off_rim])
     points = np.concatenate([points, _scattered(layout, points, edge_mm, seed)])
+    # refinement leaves a mean area of 0.6 of the largest one, that of an equilateral triangle
     points, triangles = triangulate(
         points,
         segments,
         min_angle_deg=REFINEMENT_ANGLE_DEG,
-        max_area=MAX_AREA_EDGES_SQUARED * edge_mm**2,
+        max_area=0.7 * edge_mm**2,
         holes=[place_within(points[hole]) for hole in holes],
     )
     held = pin_vertices(layout, points, np.concatenate([border, *holes]))
@@ -148,4 +145,4 @@ def _scattered(layout: Layout, points: Floats, edge_mm: float, seed: int) -> Flo
 
 def _tolerance(layout: Layout) -> float:
     """Places closer than this, in mm, are one vertex."""
-    return MERGE_DISTANCE_SPACINGS * layout.spacing_mm
+    return 1e-6 * layout.spacing_mm

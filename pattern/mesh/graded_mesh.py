@@ -38,10 +38,6 @@ MIN_GRADED_ANGLE_DEG = 12.0
 MIN_KEPT_ANGLE = 0.75
 # edges near triangles that would be flatter keep this part of their even length at the next try; at 1, vertices stay
 EASED = (0.5, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0)
-# where edges are shorter than this part of the wished ones, the even mesh is already fine
-FINE_EDGE_FACTOR = 0.75
-# rounds at whose start the springs are factored; later, their stiffness changes little
-FACTORED_ROUNDS = 2
 
 
 @dataclass(frozen=True)
@@ -183,7 +179,8 @@ class _EvenMesh:
         edges, weight = _weighted_edges(points, mesh.triangles)
         length = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
         mean = np.bincount(edges.ravel(), np.repeat(length, 2), n) / np.bincount(edges.ravel(), minlength=n)
-        fineness = np.minimum(mean / (FINE_EDGE_FACTOR * edge_mm), 1.0)
+        # where edges are shorter than the wished ones, the even mesh is already fine
+        fineness = np.minimum(mean / (0.75 * edge_mm), 1.0)
         held = np.zeros(n, dtype=bool)
         pins = [at[: len(pin.points)] for pin, at in zip(layout.pins, mesh.pin_vertices, strict=True)]
         rims = (mesh.border_vertices, *mesh.hole_vertices)
@@ -220,7 +217,8 @@ class _EvenMesh:
             if round_:
                 away = self.grading.distance(points)
                 stiffness = weight / _relative(self.grading.between(away[one], away[other]), fine, least)
-            if round_ <= FACTORED_ROUNDS:
+            # later, their stiffness changes little
+            if round_ <= 2:
                 factor = _factored(number[one], number[other], stiffness, len(free))
             pull = stiffness[:, None] * (points[other] - points[one])
             force = [np.bincount(one, p, len(points)) - np.bincount(other, p, len(points)) for p in pull.T]

@@ -14,8 +14,6 @@ from asterism.pattern.geometry.planar import distance_to_segment, turning_angles
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.rods.graph import CORNER_DEG, Rod
 
-# shortest edge beside vertices close to the outline, over the requested edge
-MIN_OUTLINE_EDGE_FACTOR = 0.3
 # a segment of a curved line turns by less
 MAX_SEGMENT_TURN_RAD = np.radians(20.0)
 # a vertex this close to a pin is at the pin
@@ -53,7 +51,8 @@ def _spread(start: Floats, end: Floats, edge_mm: float, near: cKDTree) -> Floats
     length = float(np.linalg.norm(end - start))
     samples = np.linspace(0, 1, max(int(np.ceil(16 * length / edge_mm)), 1) + 1)
     size = near.query(start + ((samples[1:] + samples[:-1]) / 2)[:, None] * (end - start))[0]
-    steps = np.cumsum(np.diff(samples) * length / np.clip(size, MIN_OUTLINE_EDGE_FACTOR * edge_mm, edge_mm))
+    # edges beside vertices close to the outline are not shorter than 0.3 of the requested one
+    steps = np.cumsum(np.diff(samples) * length / np.clip(size, 0.3 * edge_mm, edge_mm))
     n = max(round(float(steps[-1])), 1)
     if size.min() >= edge_mm:
         return np.arange(n + 1) / n

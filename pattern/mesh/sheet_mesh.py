@@ -32,15 +32,11 @@ from asterism.pattern.layout.sheet_edges import SheetEdges
 from asterism.pattern.mesh.outline_points import outline_points, place_within
 from asterism.pattern.mesh.triangulate import triangulate
 
-# inner points keep this distance from the outline and from supported points, in mesh edges
-CLEARANCE_EDGES = 0.6
 MAX_RELAXATION_SWEEPS = 4
 # flatter triangles beside holes are refined, and the angle that is aimed for then
 MIN_ANGLE_BESIDE_HOLES_DEG, ANGLE_BESIDE_HOLES_DEG = 15.0, 25.0
 # an outline that turns by more has a corner there
 CORNER_DEG = 35.0
-# largest distance of the simplified line from the outline, before it is moved, in mesh edges
-DEVIATION_EDGES = 0.06
 
 
 @dataclass(frozen=True)
@@ -144,7 +140,8 @@ def _filling(rings: Sequence[Floats], fixed: Floats, edge_mm: float) -> Floats:
     if not len(points):
         return np.empty((0, 2))
     away = np.min([cKDTree(fixed).query(points)[0], *(distance_to_outline(points, each) for each in rings)], axis=0)
-    return np.asarray(points[away > CLEARANCE_EDGES * edge_mm])
+    # inner points keep their distance from the outline and from supported points
+    return np.asarray(points[away > 0.6 * edge_mm])
 
 
 def _relaxed(fixed: Floats, free: Floats, rim: Ints, edge_mm: float, holes: Sequence[Floats]) -> tuple[Floats, Ints]:
@@ -184,7 +181,8 @@ def coarse_outline(border: Floats, edge_mm: float, fixed: Ints) -> tuple[Floats,
     for start, end in zip(starts, np.roll(starts, -1), strict=True):
         count = (end - start) % len(border) or len(border)
         numbers = (start + np.arange(count + 1)) % len(border)
-        chosen = _simplified(border[numbers], DEVIATION_EDGES * edge_mm)
+        # before the simplified line is moved, it is at most this far from the outline
+        chosen = _simplified(border[numbers], 0.06 * edge_mm)
         points.append(border[numbers[chosen[:-1]]])
         sides.append(numbers[chosen[:-1]])
         moves = np.full(len(chosen) - 1, len(chosen) <= count)
