@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from asterism.fitting.fit import Fit as Fit
     from asterism.fitting.fit import fit as fit
     from asterism.fitting.load_target import load_target as load_target
-    from asterism.fitting.sensitivity import sensitivity as sensitivity
     from asterism.fitting.settings import FitSettings as FitSettings
+    from asterism.fitting.solve_for import sensitivity as sensitivity
     from asterism.fitting.solve_for import solve_for as solve_for
     from asterism.fitting.solve_for import solve_for_point as solve_for_point
     from asterism.fitting.target import TargetSurface as TargetSurface
@@ -56,8 +56,8 @@ if TYPE_CHECKING:
     from asterism.reports.fit_page import write_fit as write_fit
     from asterism.reports.verification_page import write_verification as write_verification
     from asterism.reports.write_results import write_results as write_results
-    from asterism.shape.read_shape import read_shape as read_shape
     from asterism.shape.shape import Shape as Shape
+    from asterism.shape.vtu import read_shape as read_shape
     from asterism.sweeps.run import sweep_design as sweep
     from asterism.sweeps.sweep import Sweep as Sweep
     from asterism.sweeps.sweep import write_sweep as write_sweep
@@ -90,10 +90,10 @@ _HOMES = {
     "new": "asterism.pattern.gallery:load",
     "new_strips": "asterism.measure.strips.new_strips:new_strips",
     "preview": "asterism.previews.session:preview",
-    "read_shape": "asterism.shape.read_shape:read_shape",
+    "read_shape": "asterism.shape.vtu:read_shape",
     "report": "asterism.reports.design_report:report",
     "save_design": "asterism.pattern.design.design:save_design",
-    "sensitivity": "asterism.fitting.sensitivity:sensitivity",
+    "sensitivity": "asterism.fitting.solve_for:sensitivity",
     "show": "asterism.notebook.show:show",
     "show_law": "asterism.laws.law_text:show_law",
     "simulate": "asterism.verification.both_starts:simulate",

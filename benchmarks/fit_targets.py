@@ -35,7 +35,7 @@ from asterism.pattern.layout.build import layout
 from asterism.previews.law_choice import paper_law
 from asterism.previews.session import preview
 from asterism.print.printer import load_printer
-from asterism.reports.fit_plots import fit_views, signed_distance_map
+from asterism.reports.fit_page import fit_views, signed_distance_map
 from asterism.reports.html import png
 from benchmarks.report import PICTURES, chosen, markdown, number, write_report
 

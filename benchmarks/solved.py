@@ -17,8 +17,8 @@ from asterism.previews.session import preview
 from asterism.reports.write_results import write_results
 from asterism.shape.cell_mean import CellMean
 from asterism.shape.comparison import Comparison, compare_shapes
-from asterism.shape.read_shape import read_shape
 from asterism.shape.shape import Shape
+from asterism.shape.vtu import read_shape
 from asterism.verification.minima import right_shape
 
 NEAR, RELEASED, FINE = "near", "released", "fine"

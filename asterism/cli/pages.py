@@ -140,8 +140,8 @@ def picture(
 
     from asterism.draw.picture import check_picture, fitting_scale, view_image
     from asterism.results.files import check_writable, write_file
-    from asterism.shape.read_shape import read_shape
     from asterism.shape.release_picture import release_gif
+    from asterism.shape.vtu import read_shape
 
     width, height = two_sizes(size, "--size")
     pixels = (int(width), int(height)) if (width, height) == (width // 1, height // 1) else (0, 0)

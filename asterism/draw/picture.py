@@ -25,18 +25,8 @@ PICTURE_HEIGHT_PX = 1120
 PICTURE_MARGIN_PX = 60
 # height of the title and the caption at the top
 CAPTION_HEIGHT_PX = 150
-# half the time of the usual level 6, for 8 % more bytes
-PNG_LEVEL = 4
 # the perspective view fills the left part of the picture, the two drawings to scale fill the rest
 PERSPECTIVE_WIDTH_PX = 1240
-# mean width of a letter in pixels per typographic point of its size
-LETTER_WIDTH = 1.75
-# a smaller energy is rounding error, and the caption gives it as 0
-MIN_SHOWN_ENERGY_N_MM = 1e-4
-# smallest and largest number of pixels of each side
-SIDE_RANGE_PX = (100, 8000)
-# room below a drawing for its scale bar
-_BAR_HEIGHT_PX = 100
 # resolution of pictures; it determines the size of the text
 PICTURE_DPI = 200
 # all letters below this number, those of European languages, are in the usual font; the tests check it
@@ -58,13 +48,15 @@ def draw_shape(shape: Drawable, title: str, path_or_file: str | Path | IO[bytes]
     thing = scene(shape)
     _perspective(canvas, thing, shape.positions)
     _to_scale(canvas, thing, shape.positions)
-    write_captions(canvas, title, caption(shape), PICTURE_MARGIN_PX)
-    canvas.image.save(path_or_file, format="png", dpi=(PICTURE_DPI, PICTURE_DPI), compress_level=PNG_LEVEL)
+    _write_captions(canvas, title, caption(shape), PICTURE_MARGIN_PX)
+    # half the time of the usual level 6, for 8 % more bytes
+    canvas.image.save(path_or_file, format="png", dpi=(PICTURE_DPI, PICTURE_DPI), compress_level=4)
 
 
-def write_captions(canvas: Canvas, title: str, line: str, margin: float) -> None:
+def _write_captions(canvas: Canvas, title: str, line: str, margin: float) -> None:
     """Write a title and a line below it at the top left; long ones are printed in smaller letters."""
-    room = (canvas.width - 2 * margin) / LETTER_WIDTH
+    # mean width of a letter in pixels per typographic point of its size
+    room = (canvas.width - 2 * margin) / 1.75
     canvas.text(margin, canvas.height - 72, title, size=min(15.0, room / max(len(title), 1)), bold=True, color=INK)
     canvas.text(margin, canvas.height - 112, line, size=min(8.5, room / max(len(line), 1)), color=PALE)
 
@@ -94,9 +86,9 @@ def caption(shape: Drawable) -> str:
     if summary.get("stars_total"):
         parts.append(f"{summary['stars_up']} of {summary['stars_total']} stars up")
     if "energy_n_mm" in summary:
-        energy = summary["energy_n_mm"]
-        total = energy.get("total", sum(energy.values())) if isinstance(energy, Mapping) else energy
-        parts.append(f"energy {total if abs(total) >= MIN_SHOWN_ENERGY_N_MM else 0.0:.4g} N mm")
+        total = summary["energy_n_mm"]
+        # a smaller energy is rounding error, and the caption gives it as 0
+        parts.append(f"energy {total if abs(total) >= 1e-4 else 0.0:.4g} N mm")
     if "is_minimum" in summary:
         certified = summary["is_minimum"] and summary.get("converged", True)
         sure = "certified minimum" if certified else "not certified"
@@ -185,7 +177,7 @@ def view_image(
     if not plain:
         if view != "oblique":
             canvas.bar(size_px[0] / 2, PICTURE_MARGIN_PX / 2, scale, float(drawn_size(thing, looking)[0]))
-        write_captions(canvas, title, caption(shape), PICTURE_MARGIN_PX)
+        _write_captions(canvas, title, caption(shape), PICTURE_MARGIN_PX)
     return canvas.image
 
 
@@ -205,7 +197,8 @@ def check_picture(view: str, size_px: tuple[int, int], pixels_per_mm: float | No
     """Raise ValueError, with the allowed values, if these do not describe a picture."""
     if view not in ("oblique", *VIEWS):
         raise ValueError(f"view must be oblique, {', '.join(VIEWS)}, not {view!r}")
-    low, high = SIDE_RANGE_PX
+    # smallest and largest number of pixels of each side
+    low, high = (100, 8000)
     if len(size_px) != 2 or not all(low <= side <= high and side == round(side) for side in size_px):
         raise ValueError(f"size must be two whole numbers of pixels from {low} to {high}, not {size_px}")
     if pixels_per_mm is not None and not 0.01 <= pixels_per_mm <= 1000.0:
@@ -217,7 +210,8 @@ def _room(view: View, size_px: tuple[int, int], plain: bool) -> tuple[Floats, Fl
     width, height = size_px
     margin = min(PICTURE_MARGIN_PX, 0.05 * min(size_px))
     top = 0.0 if plain else CAPTION_HEIGHT_PX
-    bottom = 0.0 if plain or view == "oblique" else _BAR_HEIGHT_PX
+    # room below a drawing for its scale bar
+    bottom = 0.0 if plain or view == "oblique" else 100
     low, high = np.array([margin, margin + bottom]), np.array([width - margin, height - margin - top])
     return low, np.maximum(high, low + 1.0)
 
@@ -253,7 +247,7 @@ class Canvas:
         self, x: float, y: float, text: str, *, size: float, color: str, bold: bool = False, centred: bool = False
     ) -> None:
         """Write text of a size in typographic points with its baseline at (x, y)."""
-        parts = lettered(text, round(size * PICTURE_DPI / 72, 2), bold)
+        parts = _lettered(text, round(size * PICTURE_DPI / 72, 2), bold)
         if centred:
             x -= sum(font.getlength(part) for font, part in parts) / 2
         for font, part in parts:
@@ -280,10 +274,10 @@ class Canvas:
         self.text(middle, bottom, f"{length:g} mm", size=8, color=INK, centred=True)
 
 
-def lettered(text: str, pixels: float, bold: bool = False) -> list[tuple[ImageFont.FreeTypeFont, str]]:
+def _lettered(text: str, pixels: float, bold: bool = False) -> list[tuple[ImageFont.FreeTypeFont, str]]:
     """Parts of a text, each with a font of this size that has its letters.
 
-    >>> [part for _, part in lettered("7 × 3 mm", 20.0)]
+    >>> [part for _, part in _lettered("7 × 3 mm", 20.0)]
     ['7 × 3 mm']
     """
     if all(ord(letter) < FIRST_RARE_LETTER and letter.isprintable() for letter in text):

@@ -37,10 +37,6 @@ TUBE_RADIUS_FACTOR = 0.0045
 BALL_RINGS = 5
 # points around a ball and around a tube
 MARK_SIDES = 8
-# longest piece of a tube, in radii of the tube
-MAX_TUBE_STEP_RADII = 4.0
-# a tube that turns by more than this angle has a ball at the corner
-MIN_JOINT_ANGLE_RAD = 0.3
 
 
 @dataclass(frozen=True)
@@ -174,16 +170,15 @@ def _turns_left(places: Floats, triangles: Ints) -> np.ndarray:
     return (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0] > 0
 
 
-def bare(shape: Drawable, colour: Floats | Sequence[float]) -> Scene:
-    """The sheet without arms and supports.
+def bare(positions: Floats, triangles: Ints, colour: Floats | Sequence[float]) -> Scene:
+    """A surface with vertices (V, 3) mm and triangles (T, 3), without arms and supports.
 
     Parameters
     ----------
     colour : (3,) one colour, or (V, 3) one for each vertex, 0 to 1.
     """
-    normals = vertex_normals(shape.positions, shape.triangles)
-    colours = np.broadcast_to(np.asarray(colour, dtype=float), (len(shape.positions), 3))
-    return Scene(shape.positions, normals, shape.triangles, len(shape.triangles), colours=colours)
+    colours = np.broadcast_to(np.asarray(colour, dtype=float), (len(positions), 3))
+    return Scene(positions, vertex_normals(positions, triangles), triangles, len(triangles), colours=colours)
 
 
 @dataclass(frozen=True)
@@ -280,8 +275,10 @@ def pin_marks(shape: Drawable) -> Marks:
     size, border = diameter(shape.positions), plan.edges.start
     points = plan.pin_points
     runs = [run for pin in plan.pins for run in pin.chains(plan.edges)]
-    lines = [_line(border, run, MAX_TUBE_STEP_RADII * TUBE_RADIUS_FACTOR * size) for run in runs]
-    sharp = np.flatnonzero(np.abs(plan.edges.turns) > MIN_JOINT_ANGLE_RAD)
+    # longest piece of a tube, in radii of the tube
+    lines = [_line(border, run, 4.0 * TUBE_RADIUS_FACTOR * size) for run in runs]
+    # a tube that turns by more than this angle has a ball at the corner
+    sharp = np.flatnonzero(np.abs(plan.edges.turns) > 0.3)
     joints = [border[[corner for corner in run if corner in sharp or corner in (run[0], run[-1])]] for run in runs]
     try:
         off_sheet = off_curves_mm(plan, len(shape.printed))

@@ -8,9 +8,6 @@ from asterism.draw.drawable import Drawable
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.geometry.normals import vertex_normals
 
-# width of the arms of a shape without the rod field `width_mm`
-DEFAULT_WIDTH_MM = 1.2
-
 
 def ribbons(shape: Drawable) -> tuple[Floats, Floats, Ints]:
     """Build strips of triangles along the arms, tangent to the sheet.
@@ -39,7 +36,8 @@ def ribbons(shape: Drawable) -> tuple[Floats, Floats, Ints]:
     along[begin + 1] += edges
     side = np.cross(normals, along)
     side /= np.maximum(np.linalg.norm(side, axis=1, keepdims=True), 1e-12)
-    half_width = _at_points(shape, "width_mm", DEFAULT_WIDTH_MM, begin, len(vertices)) / 2
+    # width of the arms of a shape without the rod field `width_mm`
+    half_width = _at_points(shape, "width_mm", 1.2, begin, len(vertices)) / 2
     below = _at_points(shape, "side", 1.0, begin, len(vertices)) < 0
     normals, side = (np.where(below[:, None], -each, each) for each in (normals, side))
     points = np.concatenate([places + half_width[:, None] * side, places - half_width[:, None] * side])

@@ -18,8 +18,6 @@ HALFWAY = (KEY_LIGHT + np.array([0.0, 0.0, 1.0])) / np.linalg.norm(KEY_LIGHT + n
 # brightness of the key light and of the highlight, by the cosine that each of them needs
 KEY_TABLE = np.linspace(0.0, 1.0, 4096) ** 1.6
 GLOSS_TABLE = np.linspace(0.0, 1.0, 4096) ** 40
-# depth of the background, mm
-BACKGROUND_DEPTH_MM = -1e9
 
 
 @loop
@@ -121,7 +119,8 @@ def _open_sky(nearer_mm, scale):  # type: ignore[no-untyped-def]
 @formula
 def _is_behind_edge(depth, y, x, step):  # type: ignore[no-untyped-def]
     """Whether a neighbour of a pixel is nearer by more than a step (mm)."""
-    here = max(depth[y, x], BACKGROUND_DEPTH_MM)
+    # depth of the background, mm
+    here = max(depth[y, x], -1e9)
     for v in range(max(y - 1, 0), min(y + 2, depth.shape[0])):
         for u in range(max(x - 1, 0), min(x + 2, depth.shape[1])):
             if depth[v, u] - here > step:

@@ -8,22 +8,6 @@ from typing import ClassVar
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout, mesh_vertices, sheet_outline
 
-# Fitted to python -m benchmarks.exact (1141 to 58381 vertices, two cores) and to the largest whole solve of
-# python -m benchmarks.large (294847 vertices); the fit is within a factor of two.
-BASE_MB = 200.0
-MB_A_VERTEX = 0.0195
-BASE_S = 1.5
-SECONDS_AT_10000_VERTICES = 5.0
-REFINEMENT_EXPONENT = 0.9
-# from this size on the factorisation dominates
-LARGE_VERTICES = 58_000
-SECONDS_AT_LARGE = 25.0
-LARGE_EXPONENT = 2.0
-# of sheets that meet themselves; other sheets take twice as long with contact
-CONTACT_FACTOR = 8.0
-# a further start explores the coarse mesh, and the lowest minima are carried to the fine mesh
-FURTHER_START_FACTOR = 0.5
-
 
 @dataclass(frozen=True)
 class Cost:
@@ -65,8 +49,12 @@ def exact_cost(design: Design, starts: int = 1, shapes: int = 1) -> Cost:
     """
     outline = sheet_outline(design) if design.border.rods is None else layout(design).outline
     vertices = mesh_vertices(design.usual_edge_mm, outline)
-    seconds = BASE_S + SECONDS_AT_10000_VERTICES * (vertices / 10_000) ** REFINEMENT_EXPONENT
-    seconds = max(seconds, SECONDS_AT_LARGE * (vertices / LARGE_VERTICES) ** LARGE_EXPONENT)
-    seconds *= CONTACT_FACTOR if design.solver.contact else 1.0
-    seconds *= (1.0 + FURTHER_START_FACTOR * (starts - 1)) * shapes
-    return Cost(round(vertices), BASE_MB + MB_A_VERTEX * vertices, seconds)
+    # Fitted to python -m benchmarks.exact (1141 to 58381 vertices, two cores) and to the largest whole solve of
+    # python -m benchmarks.large (294847 vertices), within a factor of two. From 58000 vertices on the factorisation
+    # dominates.
+    seconds = max(1.5 + 5.0 * (vertices / 10_000) ** 0.9, 25.0 * (vertices / 58_000) ** 2.0)
+    if design.solver.contact:  # of sheets that meet themselves; other sheets take twice as long with contact
+        seconds *= 8.0
+    # a further start explores the coarse mesh, and the lowest minima are carried to the fine mesh
+    seconds *= (1.0 + 0.5 * (starts - 1)) * shapes
+    return Cost(round(vertices), 200.0 + 0.0195 * vertices, seconds)

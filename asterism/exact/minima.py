@@ -1,13 +1,15 @@
-"""Summary entries on the minima of a design: which one is the result, and how far apart they are."""
+"""What a summary says about the minima of a design: which one is the result, and how far apart they are."""
 
 from __future__ import annotations
 
+import math
+from collections.abc import Sequence
 from typing import Any
 
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.release.equilibrium import Equilibrium, roll_axis_deg
 from asterism.discrete.release.forms import ExactForm, Minima
-from asterism.results.records.exact import MinimumRecord
+from asterism.results.records.exact import MinimumRecord, StartsRecord
 
 # values of the key `result_is`: the reason why this minimum is the result
 FROM_DEFAULT_START = "the default start's"
@@ -16,21 +18,21 @@ BY_ENERGY = "lowest energy"
 BY_ENERGY_ON_BRANCH = "lowest energy of those whose stars are all on their branch"
 
 
-def one_minimum(model: DiscreteModel, equilibrium: Equilibrium, near: bool = False) -> dict[str, Any]:
-    """Entries for a single start: the default one, or, if `near`, a shape that the caller gave."""
+def one_minimum(model: DiscreteModel, equilibrium: Equilibrium, near: bool = False) -> StartsRecord:
+    """The record of a single start: the default one, or, if `near`, a shape that the caller gave."""
     axis = roll_axis_deg(model, equilibrium.state)
     entry = MinimumRecord(energy_n_mm=equilibrium.energy, stars_up=equilibrium.stars_up, roll_axis_deg=axis, starts=1)
-    return {
-        "starts": 1,
-        "result_is": FROM_GIVEN_SHAPE if near else FROM_DEFAULT_START,
-        "minima_seen": 1,
-        "minima": [entry],
-        "next_minimum_percent": None,
-    }
+    return StartsRecord(
+        starts=1,
+        result_is=FROM_GIVEN_SHAPE if near else FROM_DEFAULT_START,
+        minima_seen=1,
+        minima=[entry],
+        next_minimum_percent=None,
+    )
 
 
-def many_minima(minima: Minima, starts: int) -> dict[str, Any]:
-    """Entries for many starts.
+def many_minima(minima: Minima, starts: int) -> StartsRecord:
+    """The record of many starts.
 
     `minima` holds the minima on the fine mesh; the first one is the result. `minima_coarse` holds the minima of the
     coarse exploration, of which the lowest are carried to the fine mesh. Distances are in % of the diameter, modulo
@@ -38,26 +40,45 @@ def many_minima(minima: Minima, starts: int) -> dict[str, Any]:
     """
     fine, coarse = minima.fine, minima.coarse
     not_carried = minima.refined.count(False)
-    other_energies = sorted(b.equilibrium.energy for b in fine[1:])
-    lowest = fine[0].equilibrium.energy
-    # energies are compared relative to the elastic part: the potential of gravity depends on an arbitrary zero level
-    elastic = lowest - fine[0].equilibrium.energies.get("gravity", 0.0)
-    by_energy = all(lowest <= energy for energy in other_energies)
-    return {
-        "starts": starts,
-        "starts_lost": minima.lost_starts,
-        "result_is": BY_ENERGY if by_energy else BY_ENERGY_ON_BRANCH,
-        "minima_seen": len(fine) + not_carried,
-        "minima_not_carried": not_carried,
-        "next_minimum_percent": 100.0 * (other_energies[0] - lowest) / elastic if other_energies else None,
-        "next_minimum_n_mm": other_energies[0] - lowest if other_energies else None,
-        "symmetries": len(minima.symmetries),
-        "minima": [_entry(b, minima).changed(file=f"minimum-{k}" if k > 1 else "shape") for k, b in enumerate(fine, 1)],
-        "minima_distance_percent": [[minima.distance_percent(a, b) for b in fine] for a in fine],
-        "minima_coarse": [
-            _entry(b, minima).changed(carried=kept) for b, kept in zip(coarse, minima.refined, strict=True)
-        ],
-    }
+    return several_minima(
+        [_entry(each, minima) for each in fine],
+        [[minima.distance_percent(a, b) for b in fine] for a in fine],
+        fine[0].equilibrium.energies.get("gravity", 0.0),
+        not_carried,
+        starts=starts,
+        starts_lost=minima.lost_starts,
+        symmetries=len(minima.symmetries),
+        minima_coarse=[_entry(b, minima).changed(carried=kept) for b, kept in zip(coarse, minima.refined, strict=True)],
+    )
+
+
+def several_minima(
+    entries: Sequence[MinimumRecord],
+    distances_percent: list[list[float]],
+    gravity_n_mm: float,
+    not_carried: int = 0,
+    **more: Any,
+) -> StartsRecord:
+    """The record of distinct minima, of which the first is the result.
+
+    Parameters
+    ----------
+    gravity_n_mm : the part of gravity in the energy of the result. Its zero level is arbitrary, so that energies are
+        compared relative to the rest.
+    more : keys about the starts.
+    """
+    lowest, others = entries[0].energy_n_mm, [each.energy_n_mm for each in entries[1:]]
+    higher, elastic = min(others) - lowest if others else None, lowest - gravity_n_mm
+    return StartsRecord(
+        result_is=BY_ENERGY if higher is None or higher >= 0.0 else BY_ENERGY_ON_BRANCH,
+        minima_seen=len(entries) + not_carried,
+        minima_not_carried=not_carried,
+        next_minimum_percent=None if higher is None else 100.0 * higher / elastic if elastic else math.inf,
+        next_minimum_n_mm=higher,
+        minima=[each.changed(file=f"minimum-{k}" if k > 1 else "shape") for k, each in enumerate(entries, 1)],
+        minima_distance_percent=distances_percent,
+        **more,
+    )
 
 
 def _entry(branch: ExactForm, minima: Minima) -> MinimumRecord:

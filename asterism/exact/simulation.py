@@ -1,4 +1,7 @@
-"""The exact shape of a design: layout, mesh, model, equilibrium and summary."""
+"""The exact shape of a design: layout, mesh, model, equilibrium and summary.
+
+The bond between plastic and fabric is among its fields: the line force with which the fabric pulls at the rods.
+"""
 
 from __future__ import annotations
 
@@ -12,14 +15,15 @@ from asterism.discrete.energies.contact import ipc_toolkit
 from asterism.discrete.energies.rods.network import rod_curvatures
 from asterism.discrete.model.contact_model import ContactModel
 from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.model.state import State, edge_tangents
 from asterism.discrete.release.continuation import Report
 from asterism.discrete.release.equilibrium import Equilibrium, roll_axis_deg
 from asterism.discrete.release.forms import find_minima, stars_off_branch
 from asterism.discrete.release.ladder import Ladder
 from asterism.discrete.release.levels import MeshLevel, SharedSearch, error_of_levels, solve_on_meshes
+from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.linear.backends import check_backend
 from asterism.equilibrium.threads import one_blas_thread
-from asterism.exact.bond import line_forces
 from asterism.exact.minima import many_minima, one_minimum
 from asterism.exact.warnings import exact_warnings
 from asterism.pattern.design.design import Design
@@ -28,7 +32,7 @@ from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.free_motions import check_weight_is_supported
 from asterism.pattern.layout.layout import Layout
 from asterism.process.listeners import Say, ignore_line
-from asterism.results.records.exact import ContactRecord, ExactRecord, LevelRecord, PathStepRecord
+from asterism.results.records.exact import BondRecord, ContactRecord, ExactRecord, LevelRecord, PathStepRecord
 from asterism.shape.measures import shape_numbers
 from asterism.shape.self_intersections import self_intersections
 from asterism.shape.shape import Shape
@@ -99,16 +103,16 @@ def exact_shape(
     if starts == 1:
         equilibrium, levels = solve_on_meshes(search, backend, report, near.at if near else None)
         minima = one_minimum(ladder.models[len(levels) - 1], equilibrium, near is not None)
-        if search.joined_at:
-            minima["joined_at_vertices"] = search.joined_at
         ends = [(equilibrium, levels)]
     else:
         found = find_minima(ladder, starts, backend, report)
         minima = many_minima(found, starts)
         ends = [(branch.equilibrium, list(branch.levels)) for branch in found.fine]
-    wall = {"wall_s": time.perf_counter() - start}
+    more = vars(minima) | {"wall_s": time.perf_counter() - start}
+    if starts == 1 and search.joined_at:
+        more["joined_at_vertices"] = search.joined_at
     best, *others = (
-        _shape(ladder, end, levels, {"wall_s_by_stage": before | end.seconds, **wall, **minima}) for end, levels in ends
+        _shape(ladder, end, levels, more | {"wall_s_by_stage": before | end.seconds}) for end, levels in ends
     )
     return replace(best, others=tuple(others))
 
@@ -148,34 +152,23 @@ def _shape(ladder: Ladder, equilibrium: Equilibrium, levels: list[MeshLevel], mo
     error = error_of_levels(levels)
     record = ExactRecord(
         model=ExactRecord.model_name,
-        **shape_numbers(plan, shape, roll_axis_deg(model, equilibrium.state)),
-        converged=equilibrium.converged,
-        is_minimum=equilibrium.is_minimum,
+        **shape_numbers(plan, shape, equilibrium, roll_axis_deg(model, equilibrium.state)),
         smallest_eigenvalue=equilibrium.smallest_eigenvalue,
         eigenvalue_error=equilibrium.eigenvalue_error,
-        gradient_norm=equilibrium.gradient_norm,
-        gradient_tolerance=equilibrium.tolerance,
-        energy_n_mm=equilibrium.energy,
-        energy_parts_n_mm=equilibrium.energies,
         rods_total=len(plan.graph.rods),
         joints_total=len(plan.graph.joints),
         stars_total=len(plan.centres),
         stars_up=equilibrium.stars_up,
         stars_down=plan.star_number[equilibrium.sides < 0].tolist(),
         stars_off_branch=plan.star_number[stars_off_branch(model, equilibrium)].tolist(),
-        vertices=model.n_vertices,
-        triangles=len(mesh.triangles),
         dofs=len(model.free),
         mesh=mesh.kind,
         edge_mm=edge_mm,
-        **_bond(shape),
+        **vars(_bond(shape)),
         self_intersections=self_intersections(shape.positions, shape.triangles),
         self_contact=_contact(model, equilibrium),
         fabric_bending=fabric.bending,
         fabric_bending_n_mm=model.bending.energy(equilibrium.energies),
-        iterations=equilibrium.iterations,
-        factorisations=equilibrium.factorisations,
-        saddles_left=equilibrium.saddles_left,
         instabilities_passed=equilibrium.instabilities_passed,
         backend=equilibrium.backend,
         design=model.design.to_dict(),
@@ -224,23 +217,21 @@ def _rod_fields(model: DiscreteModel, equilibrium: Equilibrium) -> dict[str, np.
     if (model.edge_side < 0).any():
         fields["side"] = model.edge_side
     if model.design.fabric.has_forces and len(net.edges):
-        forces = line_forces(model, equilibrium.state)
-        fields |= {"peel_n_per_mm": forces.peel, "shear_n_per_mm": forces.shear}
+        fields |= line_forces(model, equilibrium.state)
     return fields
 
 
-def _bond(shape: Shape) -> dict[str, Any]:
-    """The largest forces between fabric and plastic, by the keys of the summary."""
+def _bond(shape: Shape) -> BondRecord:
     if "peel_n_per_mm" not in shape.rod_fields:
-        return {"peel_n_per_mm": None, "peel_star": None, "peel_at_mm": None, "shear_n_per_mm": None}
+        return BondRecord(peel_n_per_mm=None, peel_star=None, peel_at_mm=None, shear_n_per_mm=None)
     peel, star = shape.rod_fields["peel_n_per_mm"], shape.rod_fields["star"]
     edge = int(np.argmax(peel))
-    return {
-        "peel_n_per_mm": max(float(peel[edge]), 0.0),
-        "peel_star": int(star[edge]) if star[edge] >= 0 else None,
-        "peel_at_mm": shape.printed[shape.rod_edges[edge]].mean(axis=0).tolist(),
-        "shear_n_per_mm": float(shape.rod_fields["shear_n_per_mm"].max()),
-    }
+    return BondRecord(
+        peel_n_per_mm=max(float(peel[edge]), 0.0),
+        peel_star=int(star[edge]) if star[edge] >= 0 else None,
+        peel_at_mm=shape.printed[shape.rod_edges[edge]].mean(axis=0).tolist(),
+        shear_n_per_mm=float(shape.rod_fields["shear_n_per_mm"].max()),
+    )
 
 
 def _contact(model: DiscreteModel, equilibrium: Equilibrium) -> ContactRecord | None:
@@ -254,3 +245,47 @@ def _contact(model: DiscreteModel, equilibrium: Equilibrium) -> ContactRecord | 
         least_distance_mm=smallest_gap if pairs else None,
         pairs=pairs,
     )
+
+
+def line_forces(model: DiscreteModel, state: State) -> dict[str, Floats]:
+    """The forces of the fabric on the rods for each mm of rod, in equilibrium, as means over pieces of the rods.
+
+    Returns
+    -------
+    `peel_n_per_mm` : (R,) at the rod edges, away from the plastic at a right angle to the bond; negative where the
+    fabric presses on it. `shear_n_per_mm` : (R,) in the plane of the bond, along and across the rod.
+
+    Notes
+    -----
+    Rods and fabric share vertices. In equilibrium the fabric holds each vertex against the force of the rods, the
+    negative gradient of their energies, so it pulls at the rods with their gradient. The rods' own weight, about
+    1e-5 N/mm, counts as a force of the fabric. Rods that meet at a vertex share its force by their lengths there.
+    Every rod is divided into equal pieces of at least two widths: at a tip the force of a line on a sheet is singular,
+    and what happens within a width is beyond the model. Means over two widths converge with the mesh.
+    """
+    net, n_vertices = model.network, model.n_vertices
+    packed = state.packed
+    force = np.zeros(model.n_dofs)
+    for name, part in model.parts.items():
+        if name.startswith("rod_"):
+            force += np.bincount(part.dofs.ravel(), part.gradients(packed).ravel(), model.n_dofs)
+    length = np.linalg.norm(model.mesh.points[net.edges[:, 1]] - model.mesh.points[net.edges[:, 0]], axis=1)
+    at_vertex = np.bincount(net.edges.ravel(), np.repeat(0.5 * length, 2), n_vertices)
+    density = force[: 3 * n_vertices].reshape(-1, 3) / np.maximum(at_vertex, 1e-300)[:, None]
+
+    # along all rods, one after the other: the force in the frames of the edges, summed up over half edges
+    tangent, normal = edge_tangents(state.positions, net.edges), state.directors
+    frames = np.stack([tangent, np.cross(normal, tangent), normal], axis=1)
+    on_halves = np.einsum("rij,rhj->rhi", frames, density[net.edges]) * 0.5 * length[:, None, None]
+    total = np.vstack([np.zeros(3), np.cumsum(on_halves.reshape(-1, 3), axis=0)])
+    place = np.concatenate([[0.0], np.cumsum(np.repeat(0.5 * length, 2))])
+
+    of_rod = np.bincount(net.rod, length)
+    first = (np.cumsum(of_rod) - of_rod)[net.rod]
+    widths = of_rod**2 / np.bincount(net.rod, length * model.edge_width)
+    piece = (of_rod / np.maximum(np.floor(0.5 * widths), 1.0))[net.rod]
+    begin = first + piece * np.floor((place[1::2] - first) / piece)
+    along, across, off = (
+        (np.interp(begin + piece, place, each) - np.interp(begin, place, each)) / piece for each in total.T
+    )
+    return {"peel_n_per_mm": -model.edge_side * off, "shear_n_per_mm": np.hypot(along, across)}

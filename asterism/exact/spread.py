@@ -64,7 +64,6 @@ MAX_SOLVES = 10
 # the line on the print: directions that are tried, its points, and the number of samples whose mean it shows
 LINE_DIRECTIONS = 12
 LINE_POINTS = 201
-LINE_SAMPLES = 200
 
 
 class _ScaledFabric(Fabric):
@@ -352,7 +351,7 @@ def _record(spread: Spread, names: list[str], search: _Search, wall: float) -> S
         if left.min() < 1.0:
             after = nine_in_ten(search.values + (left * t) @ slope + (left * t) ** 2 @ curve)[:, 0]
             measurements.append(MeasurementRecord(name=name, low_mm=float(after[0]), high_mm=float(after[2])))
-    near = [np.abs(prints[:, 0] - each[0]).argsort()[:LINE_SAMPLES] for each in (low, median, high)]
+    near = [np.abs(prints[:, 0] - each[0]).argsort()[:200] for each in (low, median, high)]
     lines = [prints[some, 3:].mean(axis=0).reshape(-1, 2).tolist() for some in near]
     return SpreadRecord(
         intervals=spread.model_dump(),

@@ -1,4 +1,4 @@
-"""A triangulated disk: one piece of a surface with one border and two sides."""
+"""Triangulated surfaces: a disk, which is one piece with one border and two sides, and triangles over heights."""
 
 from __future__ import annotations
 
@@ -7,22 +7,14 @@ from functools import cached_property
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.csgraph import breadth_first_order, connected_components
+from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from asterism.equilibrium.arrays import Bools, Floats, Ints
 from asterism.fitting.errors import TargetError, place_text
 from asterism.pattern.geometry.normals import triangle_normals
 from asterism.pattern.geometry.planar import clusters
-
-# vertices nearer to each other than this part of the extent are one vertex: files store each triangle by itself
-WELD_SHARE = 1e-6
-# a triangle with less area than this part of its squared longest side has no area
-MIN_AREA_SHARE = 1e-7
-# triangles without area are left out if there are at most so many, and at most this share of all
-MAX_FLAT, MAX_FLAT_SHARE = 1000, 0.01
-# corners of two pieces nearer to each other than this part of the extent were meant to be one
-MAX_GAP_SHARE = 1e-3
+from asterism.shape.surface_fields import angle_sums, border_edges, directed_edges, laplacian
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,20 +48,12 @@ class Disk:
         return np.setdiff1d(np.arange(len(self.vertices)), self.border)
 
     @cached_property
-    def angles(self) -> Floats:
-        """(T, 3) rad, angles at the corners of each triangle."""
-        corners = self.vertices[self.triangles]
-        ahead, behind = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
-        cross = np.linalg.norm(np.cross(ahead, behind), axis=2)
-        return np.asarray(np.arctan2(cross, np.einsum("tkc,tkc->tk", ahead, behind)))
-
-    @cached_property
     def angle_sums(self) -> Floats:
         """(V,) rad, sum of the angles around each vertex.
 
         On the border, pi minus the sum is the integral of the geodesic curvature.
         """
-        return np.asarray(np.bincount(self.triangles.ravel(), self.angles.ravel(), len(self.vertices)))
+        return angle_sums(self.vertices, self.triangles)
 
     @cached_property
     def gauss_curvature(self) -> Floats:
@@ -79,11 +63,7 @@ class Disk:
     @cached_property
     def laplacian(self) -> sp.csc_array:
         """(V, V) the matrix A of `flatten`: minus the integral of the Laplacian over the cell of each vertex."""
-        half, count = 0.5 / np.tan(self.angles), len(self.vertices)
-        i, j = np.roll(self.triangles, -1, axis=1).ravel(), np.roll(self.triangles, 1, axis=1).ravel()
-        weights = sp.coo_array((half.ravel(), (i, j)), shape=(count, count))
-        weights = weights + weights.T
-        return sp.csc_array(sp.diags_array(np.asarray(weights.sum(axis=1)).ravel()) - weights)
+        return laplacian(self.vertices, self.triangles)
 
     def turned_over(self) -> Disk:
         """The same surface with its normals on the other side."""
@@ -134,7 +114,8 @@ def _gap(vertices: Floats, piece: Ints, largest: int) -> str:
     """Words on corners of two pieces that nearly coincide; empty if no other piece is near the largest."""
     others = vertices[piece != largest]
     distance = cKDTree(vertices[piece == largest]).query(others)[0]
-    if distance.min() > MAX_GAP_SHARE * np.ptp(vertices, axis=0).max():
+    # corners of two pieces nearer to each other than this part of the extent were meant to be one
+    if distance.min() > 1e-3 * np.ptp(vertices, axis=0).max():
         return ""
     return f"corners are {distance.min():.2g} mm apart at {place_text(others[distance.argmin()])}, weld them"
 
@@ -144,7 +125,8 @@ def _welded(vertices: Floats, triangles: Ints) -> tuple[Floats, Ints]:
     if len(triangles) == 0:
         return vertices, triangles
     used, corners = np.unique(triangles, return_inverse=True)
-    step = WELD_SHARE * max(float(np.ptp(vertices[used], axis=0).max()), 1e-300)
+    # vertices nearer to each other than this part of the extent are one vertex: files store each triangle by itself
+    step = 1e-6 * max(float(np.ptp(vertices[used], axis=0).max()), 1e-300)
     # cells of a grid first: any number of vertices may stand at one place
     keys = np.round((vertices[used] - vertices[used].min(axis=0)) / step).astype(np.int64)
     _, first, same = np.unique(keys, axis=0, return_index=True, return_inverse=True)
@@ -168,7 +150,7 @@ def _without_flat(vertices: Floats, triangles: Ints, name: str) -> tuple[Ints, i
         return triangles, 0
     is_near = np.isin(triangles, triangles[is_flat]).any(axis=1)
     near = triangles[is_near]
-    few = count <= min(max(MAX_FLAT_SHARE * len(triangles), 10), MAX_FLAT, len(triangles) / 2)
+    few = count <= min(max(0.01 * len(triangles), 10), 1000, len(triangles) / 2)
     for _ in range(10 * count if few else 0):
         flat = np.flatnonzero(_is_flat(vertices, near))
         if len(flat) == 0:
@@ -187,7 +169,8 @@ def _is_flat(vertices: Floats, triangles: Ints) -> Bools:
     corners = vertices[triangles]
     longest = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
     area = 0.5 * np.linalg.norm(triangle_normals(vertices, triangles), axis=1)
-    return np.asarray(area < MIN_AREA_SHARE * longest**2)
+    # a triangle with less area than this part of its squared longest side has no area
+    return np.asarray(area < 1e-7 * longest**2)
 
 
 def _proper(triangles: Ints) -> Ints:
@@ -214,46 +197,115 @@ def _check_border(vertices: Floats, triangles: Ints, edges: Ints, name: str) -> 
 
 
 def _equally_oriented(triangles: Ints, name: str) -> Ints:
-    """The triangles, some of them reversed, so that neighbours have the same side; the first one stays."""
+    """The triangles, some of them reversed, so that neighbours have the same side; the first one stays.
+
+    The two sides of all triangles are the nodes of a graph, joined across the edges of neighbours: sides of one
+    surface are connected. Where both sides of a triangle are, the surface has one side only.
+    """
     count = len(triangles)
     edges = directed_edges(triangles)
-    owner = np.tile(np.arange(count), 3)
     key = np.sort(edges, axis=1)
     order = np.lexsort(key.T[::-1])
     same = np.flatnonzero((key[order][1:] == key[order][:-1]).all(axis=1))
     first, second = order[same], order[same + 1]
     # neighbours that run through their common edge in the same direction have opposite sides
     opposite = (edges[first] == edges[second]).all(axis=1)
-    graph = sp.coo_array((np.ones(len(first)), (owner[first], owner[second])), shape=(count, count)).tocsr()
-    visited, before = breadth_first_order(graph, 0, directed=False)
-    # each triangle against the one that it was reached from, then against the first one along the chain of these
-    low, high = np.minimum(owner[first], owner[second]), np.maximum(owner[first], owner[second])
-    pair, where = np.unique(low * count + high, return_index=True)
-    child, parent = visited[1:], before[visited[1:]]
-    is_reversed = np.zeros(count, dtype=bool)
-    asked = np.minimum(child, parent) * count + np.maximum(child, parent)
-    is_reversed[child] = opposite[where[np.searchsorted(pair, asked)]]
-    above = np.zeros(count, dtype=np.int64)
-    above[child] = parent
-    while above.any():
-        is_reversed ^= is_reversed[above]
-        above = above[above]
-    if (is_reversed[owner[first]] ^ is_reversed[owner[second]] ^ opposite).any():
+    one, other = first % count, second % count
+    joined = np.column_stack(
+        [np.concatenate([one, one + count]), np.concatenate([other + count * opposite, other + count * ~opposite])]
+    )
+    upper, lower = connected_components(_graph(joined, 2 * count), directed=False)[1].reshape(2, count)
+    if upper[0] == lower[0]:
         raise TargetError(name, "has one side only, as a Moebius strip has: a target has two sides")
-    return np.where(is_reversed[:, None], triangles[:, ::-1], triangles)
-
-
-def directed_edges(triangles: Ints) -> Ints:
-    """(3 T, 2) edges in the direction of their triangles: first edges of all triangles, second ones, third ones."""
-    return np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
-
-
-def border_edges(triangles: Ints) -> Ints:
-    """(B, 2) edges of one triangle only, in its direction."""
-    edges = directed_edges(triangles)
-    _, where, count = np.unique(np.sort(edges, axis=1), axis=0, return_inverse=True, return_counts=True)
-    return edges[count[where.ravel()] == 1]
+    return np.where((upper != upper[0])[:, None], triangles[:, ::-1], triangles)
 
 
 def _graph(edges: Ints, count: int) -> sp.csr_array:
     return sp.coo_array((np.ones(len(edges)), (edges[:, 0], edges[:, 1])), shape=(count, count)).tocsr()
+
+
+def height_mesh(heights_mm: Floats, x_mm: Floats, y_mm: Floats) -> tuple[Floats, Ints]:
+    """Vertices (V, 3) mm and triangles (T, 3) over a grid.
+
+    Parameters
+    ----------
+    heights_mm : (m, n), nan where there is no surface.
+    x_mm, y_mm : (n,) and (m,), increasing.
+
+    Examples
+    --------
+    >>> vertices, triangles = height_mesh(np.array([[0.0, 1.0], [2.0, np.nan]]), np.arange(2.0), np.arange(2.0))
+    >>> triangles.tolist()
+    [[0, 1, 2]]
+    """
+    number = np.arange(heights_mm.size).reshape(heights_mm.shape)
+    corners = np.stack([number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]], axis=-1).reshape(-1, 4)
+    filled = np.isfinite(heights_mm.ravel())[corners]
+    whole, cut = corners[filled.all(axis=1)], filled.sum(axis=1) == 3
+    # the three corners in their order
+    partial = corners[cut][filled[cut]].reshape(-1, 3)
+    triangles = np.concatenate([whole[:, :3], whole[:, [0, 2, 3]], partial])
+    grid = np.stack(np.meshgrid(x_mm, y_mm), axis=-1).reshape(-1, 2)
+    heights = heights_mm.ravel()
+    if not filled.all() and len(triangles):
+        is_edge = np.ones(heights_mm.shape, dtype=bool)
+        is_edge[1:-1, 1:-1] = False
+        step = np.array([np.diff(x_mm).mean(), np.diff(y_mm).mean()])
+        grid = _smoothed(grid, triangles, is_edge.ravel(), step)
+        heights = _interpolated(_continued(heights_mm), x_mm, y_mm, grid)
+    return np.column_stack([grid, np.nan_to_num(heights)]), triangles
+
+
+def _smoothed(grid: Floats, triangles: Ints, is_edge: Bools, step: Floats) -> Floats:
+    """The places (V, 2) with a smooth border half a cell further out, but at the edge of the grid; others follow."""
+    border = border_edges(triangles)
+    along, beside = _sums(border, len(grid)), np.bincount(border.ravel(), minlength=len(grid))
+    moving = (beside == 2) & ~is_edge
+    places = grid.copy()
+    # even out the steps of the border over some cells; by the two shares the border does not shrink (Taubin, A signal
+    # processing approach to fair surface design, 1995)
+    for _ in range(10):
+        for share in (0.5, -0.53):
+            places[moving] += share * (0.5 * (along @ places) - places)[moving]
+    # the surface is on the left of its border: it ends between the last height and the next, missing one
+    chords = np.zeros_like(places)
+    for end in (0, 1):
+        np.add.at(chords, border[:, end], places[border[:, 1]] - places[border[:, 0]])
+    outwards = np.column_stack([chords[:, 1], -chords[:, 0]])
+    outwards /= np.maximum(np.linalg.norm(outwards, axis=1, keepdims=True), 1e-300)
+    places[moving] += (0.5 * np.abs(outwards * step).max(axis=1, keepdims=True) * outwards)[moving]
+    edges = directed_edges(triangles)
+    around, count = _sums(edges, len(grid)), np.bincount(edges.ravel(), minlength=len(grid))
+    inner = (count > 0) & (beside == 0) & ~is_edge
+    # the inner vertices follow
+    for _ in range(5):
+        places[inner] = (around @ places)[inner] / count[inner, None]
+    return places
+
+
+def _sums(pairs: Ints, size: int) -> sp.csr_array:
+    """The matrix that adds, for each vertex, the values of those that it is paired with."""
+    both = np.concatenate([pairs, pairs[:, ::-1]])
+    return sp.coo_array((np.ones(len(both)), (both[:, 0], both[:, 1])), shape=(size, size)).tocsr()
+
+
+def _continued(heights: Floats) -> Floats:
+    """Heights (m, n) continued in straight lines beyond their border; 0 further away."""
+    heights = heights.copy()
+    # a cell each
+    for _ in range(2):
+        around = np.lib.stride_tricks.sliding_window_view(np.pad(heights, 2, constant_values=np.nan), (5, 5))
+        steps = ((2, 3), (2, 1), (3, 2), (1, 2))
+        guesses = np.stack([2.0 * around[..., i, j] - around[..., 2 * i - 2, 2 * j - 2] for i, j in steps])
+        known = np.isfinite(guesses)
+        mean = np.where(known, guesses, 0.0).sum(axis=0) / np.maximum(known.sum(axis=0), 1)
+        heights = np.where(np.isfinite(heights) | ~known.any(axis=0), heights, mean)
+    return np.nan_to_num(heights)
+
+
+def _interpolated(heights: Floats, x: Floats, y: Floats, places: Floats) -> Floats:
+    """(V,) heights at places (V, 2)."""
+    from scipy.interpolate import RegularGridInterpolator
+
+    inside = np.clip(places, [x[0], y[0]], [x[-1], y[-1]])
+    return np.asarray(RegularGridInterpolator((y, x), heights)(inside[:, ::-1]))

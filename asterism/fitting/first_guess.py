@@ -15,9 +15,8 @@ import shapely
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.fitting.errors import TargetError
 from asterism.fitting.flatten import FlatDisk, Flattener, least_ratio_border
-from asterism.fitting.reach import Reach, check_size, choose_stretch, target_reach
+from asterism.fitting.reach import StarMenu, check_size, choose_stretch, target_reach
 from asterism.fitting.settings import FitSettings
-from asterism.fitting.star_menu import StarMenu
 from asterism.fitting.target import TargetSurface
 from asterism.fitting.target_map import TargetMap
 from asterism.homogenize.errors import LawError
@@ -30,18 +29,12 @@ from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.painted_stars import with_painted_stars
 from asterism.process.listeners import Say, ignore_line
+from asterism.results.records.fit import ReachRecord
 
-# mm, width of the arms unless the law does not cover it
-FITTED_WIDTH_MM = 1.2
 # arms whose contractions frame the middle of what a target needs
 MIDDLE_ARMS_MM = (3.0, 12.5)
-# a linear programme finds the border values if the Gauss curvatures of either sign have at least this share of the sum
-# of all absolute values
-MIN_MIXED_SHARE = 0.1
 # rad, sum of the absolute Gauss curvatures below which a target counts as developable
 MIN_GAUSS_RAD = 1e-3
-# the border is held if at least this share of all absolute Gauss curvature is negative: needles leave saddles soft
-MIN_HELD_SADDLE_SHARE = 0.25
 # decimals of mm in the design
 FITTED_SIZE_DECIMALS = 3
 
@@ -62,7 +55,7 @@ class FirstGuess:
     target: TargetSurface
     target_map: TargetMap
     menu: StarMenu
-    reach: Reach
+    reach: ReachRecord
 
 
 def guess_design(
@@ -95,18 +88,21 @@ def guess_design(
     stretch, needles, width_mm = settings.stretch, settings.needles, settings.width_mm
     if width_mm is not None and not thinnest <= width_mm <= widest:
         raise LawError(f"width_mm = {width_mm:g}: the law covers {thinnest:g} to {widest:g} mm")
-    width = float(np.clip(FITTED_WIDTH_MM, thinnest, widest)) if width_mm is None else float(width_mm)
+    # mm, width of the arms unless the law does not cover it
+    width = float(np.clip(1.2, thinnest, widest)) if width_mm is None else float(width_mm)
     menus = [StarMenu.of(law, available, width) for available in law.even_stretches]
     menu = choose_stretch(flat.ratio, menus) if stretch is None else StarMenu.of(law, stretch, width)
     lattice = law.plan.design.lattice
     unplaced = TargetMap(flat, np.exp(_log_size(flat, menu)) * flat.points, lattice.spacing_mm)
     check_size(target.name, unplaced, menu, menus, abs(float(np.linalg.det(lattice.vectors))))
     target_map = placed(unplaced, lattice)
-    outline = choose_outline(target_map, needles)
+    outline = _choose_outline(target_map, needles)
     border = settings.border
     if border is None:
-        border = needles is None and _saddle_share(target) > MIN_HELD_SADDLE_SHARE
-    stars = star_sites(outline.corners, lattice)
+        # the border is held if at least this share of all absolute Gauss curvature is negative: needles leave saddles
+        # soft
+        border = needles is None and _saddle_share(target) > 0.25
+    stars = _star_sites(outline.corners, lattice)
     curvatures = target_map.principal_curvatures(stars)
     is_held = border or len(outline.needles) > 0
     reach = target_reach(target.name, target_map, stars, curvatures, menu, menus, is_held, settings.nearest)
@@ -114,7 +110,7 @@ def guess_design(
     say(f"{len(stars)} stars, {held}, stretch {menu.stretch:g}")
     bare = _design(target, law, menu, outline, border)
     plan = layout(bare)
-    guessed = sizes_from_law(target_map, menu, plan.centres)
+    guessed = _sizes_from_law(target_map, menu, plan.centres)
     sizes = np.column_stack([guessed, np.full(len(guessed), np.nan)]).round(FITTED_SIZE_DECIMALS)
     design = _with_weights(with_painted_stars(bare, plan.sites, sizes), target, target_map, plan)
     return FirstGuess(design, target, target_map, menu, reach)
@@ -135,7 +131,9 @@ def flatten_target(target: TargetSurface) -> FlatDisk:
     """The flattening with the smallest ratio of scale factors; TargetError if it overlaps itself."""
     flattener, gauss = Flattener(target.disk), target.disk.gauss_curvature
     total = np.abs(gauss).sum()
-    mixed = min(gauss[gauss > 0.0].sum(), -gauss[gauss < 0.0].sum()) > MIN_MIXED_SHARE * total
+    # a linear programme finds the border values if the Gauss curvatures of either sign have at least this share of the
+    # sum of all absolute values
+    mixed = min(gauss[gauss > 0.0].sum(), -gauss[gauss < 0.0].sum()) > 0.1 * total
     flat = flattener.flatten(least_ratio_border(flattener) if mixed and total > MIN_GAUSS_RAD else None)
     if flat.flipped or not shapely.is_valid(shapely.polygons(flat.points[target.disk.border])):
         raise TargetError(target.name, "overlaps itself when it is laid flat: cut it into parts")
@@ -149,7 +147,7 @@ def _saddle_share(target: TargetSurface) -> float:
     return float(-gauss[gauss < 0.0].sum() / total) if total > MIN_GAUSS_RAD else 0.0
 
 
-def sizes_from_law(target_map: TargetMap, menu: StarMenu, centres: Floats) -> Floats:
+def _sizes_from_law(target_map: TargetMap, menu: StarMenu, centres: Floats) -> Floats:
     """(S, 2) length and thickness (mm) of stars at printed centres (S, 2)."""
     contraction = np.exp(target_map.interpolate(target_map.log_contraction, centres))
     curvatures = target_map.principal_curvatures(centres)
@@ -169,7 +167,7 @@ def _log_size(flat: FlatDisk, menu: StarMenu) -> float:
     return -middle - 0.5 * float(u.max() + u.min())
 
 
-def _design(target: TargetSurface, law: StarLaw, menu: StarMenu, outline: OutlineChoice, border: bool) -> Design:
+def _design(target: TargetSurface, law: StarLaw, menu: StarMenu, outline: _OutlineChoice, border: bool) -> Design:
     """The design without its star sizes."""
     cell = law.plan.design.to_dict()
     data = {
@@ -201,14 +199,6 @@ def _title(name: str) -> str:
 
 # mm, smallest distance of star centres from the outline of a fitted design: bare rims droop between the needles
 FITTED_STAR_MARGIN_MM = 3.0
-# candidates: turns within the symmetry of the lattice, and shifts along each lattice vector
-TURNS, SHIFTS = 6, 4
-# of the spacing: places further than this from all stars are bare
-BARE_DISTANCE = 0.5
-# of the spacing: width of the band along the outline that counts, and distance of its points
-RIM_BAND, RIM_STEP = 0.6, 0.12
-# a candidate replaces an earlier one only if it has less bare area than this share of it
-MIN_BARE_GAIN = 0.98
 
 
 def placed(start: TargetMap, lattice: Lattice) -> TargetMap:
@@ -221,21 +211,23 @@ def placed(start: TargetMap, lattice: Lattice) -> TargetMap:
     centre = np.array(shapely.Polygon(ring).centroid.coords[0])
     origin = np.asarray(lattice.origin_mm)
     thirds = np.array([[1.0, 1.0], [2.0, 2.0]]) / 3.0
-    shifts = np.array([[i, j] for i in range(SHIFTS) for j in range(SHIFTS)]) / SHIFTS
+    # candidates: 6 turns within the symmetry of the lattice, and 4 shifts along each lattice vector
+    shifts = np.array([[i, j] for i in range(4) for j in range(4)]) / 4
     best, best_score = (np.eye(2), origin - centre), np.inf
-    for turn in np.arange(TURNS) * (np.pi / 3.0 / TURNS):
+    for turn in np.arange(6) * (np.pi / 3.0 / 6):
         cos, sin = np.cos(turn), np.sin(turn)
         rotation = np.array([[cos, sin], [-sin, cos]])
         for fraction in np.concatenate([shifts, thirds]):
             shift = origin + fraction @ lattice.vectors - centre @ rotation
             score = _bare(band @ rotation + shift, ring @ rotation + shift, lattice)
-            if score < MIN_BARE_GAIN * best_score:
+            # a candidate replaces an earlier one only if it has less bare area than this share of it
+            if score < 0.98 * best_score:
                 best, best_score = (rotation, shift), score
     rotation, shift = best
     return replace(start, printed=start.printed @ rotation + shift)
 
 
-def star_sites(ring: Floats, lattice: Lattice) -> Floats:
+def _star_sites(ring: Floats, lattice: Lattice) -> Floats:
     """(S, 2) mm, lattice sites within an outline (B, 2), at least `FITTED_STAR_MARGIN_MM` from it."""
     cells = lattice.sites.cells_within(ring.min(axis=0), ring.max(axis=0))
     places = lattice.sites.place(cells)
@@ -247,33 +239,29 @@ def _bare(band: Floats, ring: Floats, lattice: Lattice) -> float:
     """Mean of the squared distance (spacings) by which places of the rim are further from all stars than others."""
     from scipy.spatial import cKDTree
 
-    stars = star_sites(ring, lattice)
+    stars = _star_sites(ring, lattice)
     if not len(stars):
         return np.inf
     distance = cKDTree(stars).query(band)[0] / lattice.spacing_mm
-    return float((np.maximum(distance - BARE_DISTANCE, 0.0) ** 2).mean())
+    # of the spacing: places further than this from all stars are bare
+    return float((np.maximum(distance - 0.5, 0.0) ** 2).mean())
 
 
 def _rim_band(ring: Floats, spacing_mm: float) -> Floats:
     """(n, 2) mm, a grid of places within an outline and near to it."""
-    step = RIM_STEP * spacing_mm
+    step = 0.12 * spacing_mm
     axes = (np.arange(a, b, step) for a, b in zip(ring.min(axis=0), ring.max(axis=0), strict=True))
     points = np.stack(np.meshgrid(*axes), axis=-1).reshape(-1, 2)
     points = points[inside(points, ring)]
-    return points[distance_to_outline(points, ring) < RIM_BAND * spacing_mm]
+    return points[distance_to_outline(points, ring) < 0.6 * spacing_mm]
 
 
-# of the spacing: largest distance of corners of the outline
-OUTLINE_STEP = 0.45
 # of the spacing: distance of needles along the outline
 NEEDLE_STEP = 1.6
-# the border has a corner where it turns by more than this angle within the window, a share of the spacing
-MIN_CORNER_TURN_RAD = np.deg2rad(35.0)
-CORNER_WINDOW = 0.3
 
 
 @dataclass(frozen=True, eq=False)
-class OutlineChoice:
+class _OutlineChoice:
     """The outline of a print.
 
     Attributes
@@ -288,7 +276,7 @@ class OutlineChoice:
     needles: Ints
 
 
-def choose_outline(target_map: TargetMap, needles: int | None) -> OutlineChoice:
+def _choose_outline(target_map: TargetMap, needles: int | None) -> _OutlineChoice:
     """The outline with its needles.
 
     Needles stand at the corners of the border, and between them at equal distances of about `NEEDLE_STEP` spacings.
@@ -299,7 +287,8 @@ def choose_outline(target_map: TargetMap, needles: int | None) -> OutlineChoice:
     steps = np.linalg.norm(np.roll(ring, -1, axis=0) - ring, axis=1)
     along = np.concatenate([[0.0], np.cumsum(steps)])
     total = along[-1]
-    sharp = _corners(ring, along, CORNER_WINDOW * target_map.spacing_mm)
+    # of the spacing: window within which a corner turns
+    sharp = _corners(ring, along, 0.3 * target_map.spacing_mm)
     starts = along[sharp] if len(sharp) else np.zeros(1)
     if needles:
         held = (starts[0] + np.arange(needles) * total / needles) % total
@@ -313,10 +302,11 @@ def choose_outline(target_map: TargetMap, needles: int | None) -> OutlineChoice:
             counts = np.maximum(counts, 3)
         starts = np.concatenate([s + g * np.arange(n) / n for s, g, n in zip(starts, gaps, counts, strict=True)])
         held, gaps = starts, np.diff(np.append(starts, starts[0] + total))
-    parts = np.maximum(np.ceil(gaps / (OUTLINE_STEP * target_map.spacing_mm)), 1).astype(int)
+    # of the spacing: largest distance of corners of the outline
+    parts = np.maximum(np.ceil(gaps / (0.45 * target_map.spacing_mm)), 1).astype(int)
     stations = np.concatenate([s + g * np.arange(n) / n for s, g, n in zip(starts, gaps, parts, strict=True)])
     is_held = np.isin((stations % total).round(6), (held % total).round(6))
-    return OutlineChoice(_at(ring, along, stations), _at(places, along, stations), np.flatnonzero(is_held))
+    return _OutlineChoice(_at(ring, along, stations), _at(places, along, stations), np.flatnonzero(is_held))
 
 
 def _at(values: Floats, along: Floats, stations: Floats) -> Floats:
@@ -335,7 +325,7 @@ def _corners(ring: Floats, along: Floats, window: float) -> Ints:
     turn = np.abs(np.arctan2(cross_2d(behind, ahead), np.einsum("nc,nc->n", behind, ahead)))
     corners: list[int] = []
     for vertex in np.argsort(-turn, kind="stable"):
-        if turn[vertex] < MIN_CORNER_TURN_RAD:
+        if turn[vertex] < np.deg2rad(35.0):
             break
         distance = np.abs(here[vertex] - here[corners])
         if np.minimum(distance, total - distance).min(initial=np.inf) > 2.0 * window:

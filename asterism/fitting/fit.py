@@ -6,11 +6,10 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from asterism.discrete.release.continuation import Report
-from asterism.fitting.correction import ExactCorrection
 from asterism.fitting.errors import place_text
 from asterism.fitting.first_guess import FirstGuess, guess_design
 from asterism.fitting.residual import FitDistance, FitPlaces, Residual, target_distance
-from asterism.fitting.search import FitSearch
+from asterism.fitting.search import ExactCorrection, FitSearch
 from asterism.fitting.settings import FitSettings
 from asterism.fitting.star_unknowns import StarUnknowns
 from asterism.fitting.target import TargetSurface
@@ -26,16 +25,9 @@ from asterism.process.listeners import Say, ignore_line
 from asterism.process.version import __version__
 from asterism.results.records.fit import FitRecord, TargetDistanceRecord
 from asterism.shape.shape import Shape
-from asterism.verification.numbers import MAX_FORM_DISTANCE_PERCENT
+from asterism.verification.minima import MAX_FORM_DISTANCE_PERCENT
 from asterism.verification.run import verify
 from asterism.verification.verification import RELEASE, Verification
-
-# largest numbers, after thicknesses are rounded, of steps on the lengths by the preview, and of corrections
-ROUNDED_STEPS, MAX_ROUNDED_CORRECTIONS = 4, 3
-# a warning names the share of stars at the ends of the law's lengths from this one on
-MIN_SHARE_AT_BOUNDS = 0.1
-# % of the diameter, largest distance from which on a warning names its place
-MAX_QUIET_DISTANCE_PERCENT = 4.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,7 +140,7 @@ def fit(
     of_guess, by_preview, unrounded = distance(search.preview.shape()).record, None, None
     verification: Verification | None = None
     corrections = settings.corrections if settings.exact else 0
-    few = min(corrections, MAX_ROUNDED_CORRECTIONS)
+    few = min(corrections, 3)  # after thicknesses are rounded
     is_interrupted = False
     try:
         search.run()
@@ -161,7 +153,7 @@ def fit(
             if corrections:
                 correction.run(base, few)
             else:
-                search.again(base, search.best, search.best, ROUNDED_STEPS)
+                search.again(base, search.best, search.best, steps=4)
         if settings.exact:
             verification = verified()
         if corrections and verification is not None and _released_elsewhere(verification):
@@ -192,36 +184,35 @@ def fit(
     warnings = [*guess.reach.warnings, *_warnings(found, of_result, verification)]
     if is_interrupted:
         warnings.insert(0, "interrupted: the design is the best one until then, and the exact model has not checked it")
-    summary = {
-        "model": "fit",
-        "target": target.name,
-        "diameter_mm": target.diameter_mm,
-        "motion": target.motion.tolist(),
-        "shift_mm": target.shift_mm.tolist(),
-        "stretch": guess.menu.stretch,
-        "stars": len(plan.centres),
-        "needles": sum(len(pins.corners or ()) for pins in design.pins),
-        "held_border": any(pins.where == "border" for pins in design.pins),
-        **{name: value for name, value in vars(guess.reach).items() if name != "warnings"},
-        "share_at_bounds": found.share_at_bounds,
-        "first_guess": of_guess,
-        "unrounded": by_preview,
-        "preview": of_preview.record,
-        "exact": None if verification is None else of_result.record,
-        "other_exact": _other(verification, distance),
-        "exact_agrees": None if verification is None else verification.summary.starts_agree,
-        "interrupted": is_interrupted,
-        "reached": bool(of_result.mean_percent <= settings.within_percent and result.summary["is_minimum"]),
-        "within_percent": settings.within_percent,
-        "rounding_loss_percent": loss,
-        "steps": search.steps,
-        "corrections": correction.done,
-        "restarts": search.restarts,
-        "warnings": warnings,
-        "version": __version__,
-        "design": design.to_dict(),
-    }
-    fitted = Fit(design, target, guess, shape, verification, of_result, FitRecord.from_json(summary))
+    summary = FitRecord(
+        model="fit",
+        target=target.name,
+        diameter_mm=target.diameter_mm,
+        motion=target.motion.tolist(),
+        shift_mm=target.shift_mm.tolist(),
+        stretch=guess.menu.stretch,
+        stars=len(plan.centres),
+        needles=sum(len(pins.corners or ()) for pins in design.pins),
+        held_border=any(pins.where == "border" for pins in design.pins),
+        **vars(guess.reach) | {"warnings": warnings},
+        share_at_bounds=found.share_at_bounds,
+        first_guess=of_guess,
+        unrounded=by_preview,
+        preview=of_preview.record,
+        exact=None if verification is None else of_result.record,
+        other_exact=_other(verification, distance),
+        exact_agrees=None if verification is None else verification.summary.starts_agree,
+        interrupted=is_interrupted,
+        reached=bool(of_result.mean_percent <= settings.within_percent and result.summary.is_minimum),
+        within_percent=settings.within_percent,
+        rounding_loss_percent=loss,
+        steps=search.steps,
+        corrections=correction.done,
+        restarts=search.restarts,
+        version=__version__,
+        design=design.to_dict(),
+    )
+    fitted = Fit(design, target, guess, shape, verification, of_result, summary)
     if is_interrupted:
         raise FitInterrupted(fitted) from None
     return fitted
@@ -249,10 +240,12 @@ def _other(verification: Verification | None, distance: Callable[[Shape], FitDis
 def _warnings(sizes: StarUnknowns, distance: FitDistance, verification: Verification | None) -> list[str]:
     """What limits the fit, one line each."""
     lines = []
-    if sizes.share_at_bounds > MIN_SHARE_AT_BOUNDS:
+    # a warning names the share of stars at the ends of the law's lengths from this one on
+    if sizes.share_at_bounds > 0.1:
         share = 100 * sizes.share_at_bounds
         lines.append(f"{share:.0f} % of the stars have the shortest or the longest arms that the law covers")
-    if (largest := distance.record.largest_percent) > MAX_QUIET_DISTANCE_PERCENT:
+    # % of the diameter, largest distance from which on a warning names its place
+    if (largest := distance.record.largest_percent) > 4.0:
         lines.append(
             f"the largest distance, {largest:.1f} % of the diameter, is at {place_text(distance.farthest, 0)}: more "
             "needles hold a rim, a larger target has more stars"

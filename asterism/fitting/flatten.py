@@ -130,22 +130,17 @@ class Flattener:
         return values
 
 
-# number of Fourier terms: cosines and sines of 1 to 12 waves around the border
-FOURIER_TERMS = 24
-# inner vertices that the programme bounds; u is smooth, so that a selection is enough
-MAX_BOUNDED_VERTICES = 1500
-
-
 def least_ratio_border(flattener: Flattener) -> Floats:
     """(B,) logarithms of the scale factor at the border for the smallest ratio of scale factors."""
     disk = flattener.disk
     around = np.cumsum(flattener.border_lengths) - flattener.border_lengths
     angle = 2.0 * np.pi * around / flattener.border_lengths.sum()
-    waves = np.arange(1, FOURIER_TERMS // 2 + 1)
+    waves = np.arange(1, 13)
     series = np.concatenate([np.cos(angle[:, None] * waves), np.sin(angle[:, None] * waves)], axis=1)
     start = flattener.log_scale(np.zeros(len(disk.border)))
     change = flattener.harmonic(series)
-    inner = disk.inner[:: max(len(disk.inner) // MAX_BOUNDED_VERTICES, 1)]
+    # inner vertices that the programme bounds; u is smooth, so that a selection is enough
+    inner = disk.inner[:: max(len(disk.inner) // 1500, 1)]
     rows = np.concatenate([disk.border, inner])
     ones, zeros = np.ones((len(rows), 1)), np.zeros((len(rows), 1))
     # unknowns: coefficients, upper and lower bound of u

@@ -1,49 +1,98 @@
-"""Whether stars can make a target: contraction and curvature that it needs, against what is available."""
+"""Whether stars can make a target: what they can do by the law, against the contraction and curvature it needs."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
 from asterism.fitting.errors import ReachError, place_text
-from asterism.fitting.star_menu import StarMenu
 from asterism.fitting.target_map import TargetMap
-from asterism.homogenize.law.star_law import MAX_SEPARATED_CURL
+from asterism.homogenize.law.star_law import MAX_SEPARATED_CURL, StarLaw
 from asterism.pattern.geometry.planar import polygon_area
 from asterism.pattern.layout.star_cells import MAX_STARS_OF_DESIGN
+from asterism.results.records.fit import ReachRecord
+
+# mm, shortest arms of a fitted design: shorter ones hardly differ from bare fabric
+MIN_FITTED_ARM_MM = 2.0
+
+
+@dataclass(frozen=True, eq=False)
+class StarMenu:
+    """Stars of one width at one stretch, over a grid of L lengths and H thicknesses.
+
+    Attributes
+    ----------
+    stretch, spacing_mm, width_mm : of all stars.
+    lengths_mm : (L,).
+    thicknesses_mm : (H,).
+    contraction : (L, H) length over printed length of the natural tube, as in supported previews.
+    kappa : (L, H) 1/mm, natural curvature, positive with the plastic outside.
+    allowed : (L, H) in the range of the law, and separated in scale from the sheet.
+    """
+
+    stretch: float
+    spacing_mm: float
+    width_mm: float
+    lengths_mm: Floats
+    thicknesses_mm: Floats
+    contraction: Floats
+    kappa: Floats
+    allowed: np.ndarray
+
+    @classmethod
+    def of(cls, law: StarLaw, stretch: float, width_mm: float) -> StarMenu:
+        """The menu of a law; `ForeignLaw` if it has no table for the stretch."""
+        table = law.at(stretch)
+        ranges = table.size_ranges
+        low, high = ranges["length_mm"]
+        lengths = np.linspace(max(low, MIN_FITTED_ARM_MM), high, 56)
+        thicknesses = np.geomspace(*ranges["thickness_mm"], 31)
+        grid = np.stack(np.meshgrid(lengths, thicknesses, indexing="ij"), axis=-1).reshape(-1, 2)
+        stars = table(grid[:, 0], grid[:, 1], width_mm)
+        shape = (len(lengths), len(thicknesses))
+        contraction, kappa = (stars.value[name].reshape(shape) for name in ("lam_n", "kappa"))
+        allowed = (stars.inside & ~stars.not_scale_separated).reshape(shape)
+        return cls(stretch, table.spacing_mm, width_mm, lengths, thicknesses, contraction, kappa, allowed)
+
+    @cached_property
+    def range(self) -> tuple[float, float]:
+        """Smallest and largest contraction of allowed stars."""
+        contractions = self.contraction[self.allowed]
+        return float(contractions.min()), float(contractions.max())
+
+    @property
+    def ratio(self) -> float:
+        """Largest contraction over the smallest one: what a target may need at most."""
+        low, high = self.range
+        return high / low
+
+    def sizes(self, contraction: Floats, kappa: Floats) -> Floats:
+        """(S, 2) length and thickness (mm) of the stars nearest to contractions and natural curvatures (S,)."""
+        # deviations that count as equal when sizes are chosen: of ln(contraction), and of the curvature times the
+        # spacing
+        miss = (np.log(self.contraction / contraction[:, None, None]) / 0.01) ** 2
+        miss += ((self.kappa - kappa[:, None, None]) * self.spacing_mm / 0.15) ** 2
+        best = np.where(self.allowed, miss, np.inf).reshape(len(contraction), -1).argmin(axis=1)
+        length, thickness = np.unravel_index(best, self.allowed.shape)
+        return np.column_stack([self.lengths_mm[length], self.thicknesses_mm[thickness]])
+
+    def least_thickness(self, lengths_mm: Floats) -> Floats:
+        """(S,) mm, smallest thickness of stars of these lengths (S,) from which on all are allowed."""
+        # the last thickness that is not allowed, and the next one
+        refused = ~self.allowed
+        last = np.where(refused.any(axis=1), refused.shape[1] - 1 - refused[:, ::-1].argmax(axis=1), -1)
+        least = self.thicknesses_mm[np.minimum(last + 1, len(self.thicknesses_mm) - 1)]
+        return np.asarray(np.interp(lengths_mm, self.lengths_mm, least))
+
 
 # a needed ratio up to this multiple of the available one is tried, with a warning: the sheet strains a little
 MAX_RATIO_EXCESS = 1.06
 # fewest stars of a fit: of smaller sheets most is rim, which the stars do not shape
 MIN_FITTED_STARS = 19
-# share of the stars that may curve to the other side without a warning
-MAX_WRONG_SIDE_SHARE = 0.05
-# a place curves to the other side if the sum of its curvatures is below minus this part of the largest curvature
-MIN_WRONG_SIDE_CURVATURE = 0.1
-
-
-@dataclass(frozen=True)
-class Reach:
-    """What a target needs, and what stars can do.
-
-    Attributes
-    ----------
-    needed_ratio, available_ratio : largest contraction over the smallest one.
-    largest_curvature_per_mm, available_curvature_per_mm : largest absolute principal curvature of the target over a
-        cell, and the largest one that stars can follow.
-    wrong_side_share : share of the stars whose place curves to the other side than stars can.
-    warnings : one line for each limit that the target comes near to or exceeds.
-    """
-
-    needed_ratio: float
-    available_ratio: float
-    largest_curvature_per_mm: float
-    available_curvature_per_mm: float
-    wrong_side_share: float
-    warnings: tuple[str, ...] = ()
 
 
 def choose_stretch(needed_ratio: float, menus: Sequence[StarMenu]) -> StarMenu:
@@ -79,7 +128,7 @@ def target_reach(
     menus: Sequence[StarMenu],
     has_needles: bool,
     nearest: bool,
-) -> Reach:
+) -> ReachRecord:
     """The reach of a placed target.
 
     A ReachError says that the sheet has room for too few stars, or, unless the `nearest` sheet is wanted, that it
@@ -111,8 +160,10 @@ def target_reach(
         if not nearest:
             raise ReachError(f"{name}: {line}")
         warnings.append(line)
-    wrong = float((curvatures.sum(axis=1) < -MIN_WRONG_SIDE_CURVATURE * limit).mean())
-    if wrong > MAX_WRONG_SIDE_SHARE and not has_needles:
+    # a place curves to the other side if the sum of its curvatures is below minus this part of the largest curvature
+    wrong = float((curvatures.sum(axis=1) < -0.1 * limit).mean())
+    # share of the stars that may curve to the other side without a warning
+    if wrong > 0.05 and not has_needles:
         warnings.append(
             f"{100 * wrong:.0f} % of the target curves to the other side than its stars can: hold it with needles"
         )
@@ -122,7 +173,14 @@ def target_reach(
         if needed > MAX_RATIO_EXCESS * menu.ratio and not nearest:
             raise ReachError(f"{name}: {line}")
         warnings.append(line)
-    return Reach(needed, menu.ratio, float(size[sharpest]), limit, wrong, tuple(warnings))
+    return ReachRecord(
+        needed_ratio=needed,
+        available_ratio=menu.ratio,
+        largest_curvature_per_mm=float(size[sharpest]),
+        available_curvature_per_mm=limit,
+        wrong_side_share=wrong,
+        warnings=warnings,
+    )
 
 
 def _needed_ratio(target_map: TargetMap) -> float:

@@ -20,7 +20,7 @@ from asterism.fitting.target import TargetSurface
 from asterism.fitting.target_map import TargetMap
 from asterism.pattern.geometry.planar import distance_to_outline, inside
 from asterism.pattern.geometry.rigid_fit import rigid_fit
-from asterism.previews.session import PointLens, Preview
+from asterism.previews.places import Places
 from asterism.results.records.fit import TargetDistanceRecord
 from asterism.shape.cell_mean import CellMean
 from asterism.shape.shape import Shape
@@ -94,20 +94,6 @@ def target_distance(shape: Shape, residual: Residual, lattice_vectors: Floats) -
     return FitDistance(shape, surface, mean, target.diameter_mm, target.weight_at(shape.positions))
 
 
-# of the spacing: distance of the residual's places, and of those over which the bumps are averaged
-PLACE_STEP, BUMP_STEP = 0.5, 0.125
-# of the spacing: places of the grid this near to the outline are left out, since the outline has its own
-MIN_PLACE_MARGIN = 0.1
-# weight of the distance along the target, inside and at the outline
-SLIDE_WEIGHT, OUTLINE_SLIDE_WEIGHT = 0.15, 0.5
-# mm, places of the print this far off the triangles of the exact model are taken to them
-OFF_TRIANGLES_MM = 0.25
-# rounds of the registration of a free sheet
-POSE_ROUNDS = 30
-# mm, change of a place by one round that ends the registration
-POSE_TOLERANCE_MM = 1e-4
-
-
 @dataclass(frozen=True, eq=False)
 class FitPlaces:
     """The places of the print at which the distance counts, for one outline.
@@ -129,12 +115,13 @@ class FitPlaces:
     @classmethod
     def of(cls, target_map: TargetMap, outline: Floats, lattice_vectors: Floats) -> FitPlaces:
         """The places for an outline (n, 2) mm."""
-        coarse = _grid(outline, PLACE_STEP * target_map.spacing_mm)
-        coarse = coarse[distance_to_outline(coarse, outline) > MIN_PLACE_MARGIN * target_map.spacing_mm]
-        fine = _grid(outline, BUMP_STEP * target_map.spacing_mm)
+        coarse = _grid(outline, 0.5 * target_map.spacing_mm)
+        # of the spacing: places of the grid this near to the outline are left out, since the outline has its own
+        coarse = coarse[distance_to_outline(coarse, outline) > 0.1 * target_map.spacing_mm]
+        fine = _grid(outline, 0.125 * target_map.spacing_mm)
         points = np.concatenate([coarse, outline, fine])
         count = len(coarse) + len(outline)
-        weight = np.concatenate([np.full(len(coarse), SLIDE_WEIGHT), np.full(len(outline), OUTLINE_SLIDE_WEIGHT)])
+        weight = np.concatenate([np.full(len(coarse), 0.15), np.full(len(outline), 0.5)])
         # the places themselves have no weight in the means: they would count twice
         shares = np.concatenate([np.full(count, 1e-9), np.ones(len(fine))])
         mean = CellMean(points, shares, lattice_vectors, np.arange(count))
@@ -193,14 +180,10 @@ class Residual:
         weight = target.weight_at(places.goals[: places.count])
         self._weight = weight / weight.mean()
         self._scale = np.sqrt(self._weight / places.count)
-        self._lens: tuple[Preview, PointLens] | None = None
         self.offset: Floats | float = 0.0
 
-    def at(self, preview: Preview, x: Floats | None = None) -> SheetState:
-        """The residuals of a preview, at its equilibrium or at degrees of freedom x (N, 3) of a stage."""
-        if self._lens is None or self._lens[0] is not preview:
-            self._lens = preview, preview.lens(self.places.points)
-        shown = self._lens[1](x)
+    def at(self, shown: Places) -> SheetState:
+        """The residuals of a preview, shown at the points of `places`."""
         count = self.places.count
         state = self._state(shown.smooth[:count] + self.places.bump_mean(shown.bumps), lambda values: values)
         return replace(state, values=state.values + self.offset)
@@ -210,7 +193,8 @@ class Residual:
 
         A mean of distances is not shifted inwards by the curvature of the sheet, as a mean of places would be.
         """
-        return self._state(shape.at(self.places.points, OFF_TRIANGLES_MM), self.places.bump_mean)
+        # mm, places of the print this far off the triangles of the exact model are taken to them
+        return self._state(shape.at(self.places.points, 0.25), self.places.bump_mean)
 
     def _state(self, surface: Floats, mean: Callable[[Floats], Floats]) -> SheetState:
         """The residuals of a surface (m, 3) at the first m points, with a mean of their values at the n places."""
@@ -231,28 +215,25 @@ class Residual:
         all_goals = self.places.goals[: self.places.count]
         rotation, shift = rigid_fit(surface, all_goals, self._weight)
         slide = self.places.slide_weight[:, None] ** 2
-        for _ in range(POSE_ROUNDS):
+        for _ in range(30):
             moved = surface @ rotation.T + shift
             goals = (self.target.nearest(moved).places + slide * all_goals) / (1.0 + slide)
             rotation, shift = rigid_fit(surface, goals, self._weight)
-            if np.abs(surface @ rotation.T + shift - moved).max() < POSE_TOLERANCE_MM:
+            if np.abs(surface @ rotation.T + shift - moved).max() < 1e-4:
                 break
         return rotation, shift
 
-    def derivatives(self, preview: Preview, state: SheetState, responses: Floats) -> Floats:
-        """(3 n, P) derivatives of the residuals for responses (N, 3, P) of the shell's degrees of freedom.
+    def derivatives(self, state: SheetState, moves: Floats) -> Floats:
+        """(3 n, P) derivatives of the residuals for moves (n, 3, P) of the places.
 
         Those of a free sheet do not contain rigid motions, to which the registration adapts.
         """
-        count, size = self.places.count, responses.shape[2]
-        located = preview.sheet.space.locate(self.places.points[:count])
-        moves = located.jets(responses.reshape(len(responses), 3 * size))[:, 0].reshape(count, 3, size)
         columns = self._columns(state, np.einsum("ab,nbp->nap", state.rotation, moves))
         if not self._is_free:
             return columns
         arm = state.places - state.places.mean(axis=0)
         turns = np.stack([np.cross(axis, arm) for axis in np.eye(3)], axis=-1)
-        rigid = self._columns(state, np.concatenate([turns, np.broadcast_to(np.eye(3), (count, 3, 3))], axis=-1))
+        rigid = self._columns(state, np.concatenate([turns, np.broadcast_to(np.eye(3), turns.shape)], axis=-1))
         return np.asarray(columns - rigid @ np.linalg.lstsq(rigid, columns, rcond=None)[0])
 
     def _columns(self, state: SheetState, moves: Floats) -> Floats:

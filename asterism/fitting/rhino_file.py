@@ -11,11 +11,6 @@ from asterism.equilibrium.arrays import Floats, Ints
 from asterism.fitting.errors import TargetError
 from asterism.pattern.drawing.rhino import open_rhino_model
 
-# points along each parameter of a NURBS surface: at least, and for each span between knots
-MIN_SURFACE_POINTS = 60
-POINTS_A_SPAN = 8
-MAX_SURFACE_POINTS = 200
-
 
 def read_rhino(path: Path, mm: float | None) -> tuple[Floats, Ints]:
     """The visible surfaces of a 3DM file as triangles.
@@ -85,7 +80,8 @@ def _sampled(surface: Any) -> tuple[Floats, Ints]:
     """A grid of points on a surface that is not trimmed."""
     values = []
     for direction in (0, 1):
-        count = int(np.clip(POINTS_A_SPAN * surface.SpanCount(direction), MIN_SURFACE_POINTS, MAX_SURFACE_POINTS))
+        # points along each parameter: so many for each span between knots
+        count = int(np.clip(8 * surface.SpanCount(direction), 60, 200))
         interval = surface.Domain(direction)
         values.append(np.linspace(interval.T0, interval.T1, count))
     points = [surface.PointAt(float(u), float(v)) for u in values[0] for v in values[1]]

@@ -1,51 +1,43 @@
-"""The fit: bounded Levenberg-Marquardt steps on the star sizes through the preview.
+"""The fit: bounded Levenberg-Marquardt steps on the star sizes through the preview, then exact corrections.
 
 The preview follows each step from its last equilibrium. A step counts only if the new equilibrium is a minimum, lies
 near its linear prediction, and is nearer to the target. Every third step a fresh preview starts from initial guesses:
 where it takes another form, the fit goes on from that form. Only what a fresh preview confirms is returned.
+
+The exact shape of fitted sizes misses the target by the error of the preview, and this error changes little with the
+sizes. Its residuals are therefore added to those of the preview, and the fit by the preview goes on from there (defect
+correction: Stetter 1978, The defect correction principle and discretization methods). What it converges to has exact
+residuals. A correction takes one exact shape, which follows from the last one, and no derivatives of the exact model.
+A step counts only if the new exact shape is a certified minimum and nearer to the target; otherwise a part of it is
+tried.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from scipy.linalg import solve_triangular
 from scipy.optimize import lsq_linear
 
+from asterism.discrete.release.continuation import Report
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.errors import Error
-from asterism.fitting.residual import Residual, SheetState
+from asterism.exact.simulation import exact_shape
+from asterism.fitting.residual import FitDistance, Residual, SheetState
 from asterism.fitting.star_unknowns import StarUnknowns
 from asterism.homogenize.law.star_law import StarLaw
 from asterism.pattern.design.design import Design
-from asterism.previews.session import Preview
+from asterism.previews.session import Preview, preview
 from asterism.previews.solve import EDIT_START
 from asterism.previews.star_sensitivity import star_sensitivity
 from asterism.process.listeners import Say, ignore_line
 from asterism.shape.shape import Shape
 
-# steps of the smooth changes, and of all stars
-MAX_SMOOTH_STEPS, MAX_STAR_STEPS = 3, 12
-# steps between two fresh previews
-FRESH_EVERY = 3
-# mm per unit: weight of the differences between neighbours, and of the changes themselves, from the first guess on
-NEIGHBOUR_WEIGHT, CHANGE_WEIGHT = 0.12, 0.01
-# damping of the first step relative to the largest diagonal entry, its factors after success and failure, and limits
-FIRST_DAMPING, DAMPING_AFTER_SUCCESS, DAMPING_AFTER_FAILURE = 1e-3, 0.3, 8.0
-MIN_DAMPING, MAX_DAMPING = 1e-9, 1e3
-# share of the predicted decrease that a step must reach
-MIN_DECREASE_SHARE = 0.1
-# relative decrease of the rms distance below which the fit ends
-MIN_FIT_GAIN = 0.02
-# distance of the equilibrium from its linear prediction over the length of the step, and mm that always pass
-MAX_PREDICTION_MISS, FREE_MISS_MM = 0.8, 0.1
-# a fresh preview has another form if its rms distance differs by more than this share, and by more than so many mm
-MAX_FRESH_CHANGE, FRESH_TOLERANCE_MM = 0.1, 0.02
-# largest change of an unknown in one step
-LONGEST_STEP = 2.5
-
+# damping of the first step relative to the largest diagonal entry
+FIRST_DAMPING = 1e-3
 # words for the kinds of steps
 STEP_WORDS = {"smooth": "all stars together", "stars": "each star", "fresh": "fresh preview"}
 
@@ -66,7 +58,8 @@ class FitSearch:
     def __post_init__(self) -> None:
         self.start = self.unknowns
         self.preview = Preview(self.unknowns.design(self.base), self.law)
-        self.state = self.residual.at(self.preview)
+        self._lens = self.preview.lens(self.residual.places.points)
+        self.state = self.residual.at(self._lens())
         self.best, self.best_rms = self.unknowns, self.state.rms_mm
         self._is_fresh = True
         self._damping = FIRST_DAMPING
@@ -75,10 +68,10 @@ class FitSearch:
 
     def run(self) -> None:
         """Fit smooth changes, then each star; `best` is what fresh previews confirm."""
-        self._stage("smooth", MAX_SMOOTH_STEPS, self.start.smooth_basis())
-        self._stage("stars", MAX_STAR_STEPS, None)
+        self._stage("smooth", 3, self.start.smooth_basis())
+        self._stage("stars", 12, None)
 
-    def again(self, base: Design, sizes: StarUnknowns, start: StarUnknowns, steps: int) -> StarUnknowns:
+    def again(self, base: Design, sizes: StarUnknowns, start: StarUnknowns, steps: int = 6) -> StarUnknowns:
         """Fit each star again from sizes, and return the best ones; lengths only if the design rounds thicknesses.
 
         Changes count from the sizes `start`.
@@ -86,7 +79,7 @@ class FitSearch:
         self.base, self.start, self._damping = base, start, FIRST_DAMPING
         self.unknowns = self.best = sizes
         if base.required_stars.rounding is not None:
-            self._varies = np.arange(len(sizes.units)) < len(sizes.lengths_mm)
+            self._varies = np.arange(len(sizes.units)) < len(sizes.sizes_mm)
         self._renew()
         self.best_rms = self.state.rms_mm
         self._record("fresh")
@@ -107,8 +100,8 @@ class FitSearch:
                 break
             taken += 1
             self._record(kind)
-            has_small_gain = self.state.rms_mm > (1.0 - MIN_FIT_GAIN) * before
-            if (taken % FRESH_EVERY == 0 or taken == count or has_small_gain) and not self._confirm():
+            has_small_gain = self.state.rms_mm > 0.98 * before
+            if (taken % 3 == 0 or taken == count or has_small_gain) and not self._confirm():
                 continue
             if has_small_gain:
                 break
@@ -131,7 +124,8 @@ class FitSearch:
         fresh = self.state.rms_mm
         if fresh < self.best_rms:
             self.best, self.best_rms = self.unknowns, fresh
-        if abs(fresh - followed) <= max(MAX_FRESH_CHANGE * followed, FRESH_TOLERANCE_MM):
+        # the form is another one if the rms distance differs by more than a tenth, and by more than 0.02 mm
+        if abs(fresh - followed) <= max(0.1 * followed, 0.02):
             return True
         self.restarts += 1
         self._record("fresh")
@@ -143,22 +137,23 @@ class FitSearch:
         if design != self.preview.design:
             next(self.preview.edit(design))
         self.preview.search_again()
-        self.state, self._is_fresh = self.residual.at(self.preview), True
+        self.state, self._is_fresh = self.residual.at(self._lens()), True
 
     def _step(self, basis: Floats | None) -> bool:
         """Take one step; False if none is accepted."""
         jacobian = self._jacobian()
         rough = self.start.roughness()
-        change = self.unknowns.difference(self.start)
+        change = self.unknowns.values - self.start.values
         count = len(change)
-        weight = NEIGHBOUR_WEIGHT**2 * rough.toarray() + CHANGE_WEIGHT**2 / count * np.eye(count)
+        # mm per unit: weight of the differences between neighbours, and of the changes themselves
+        weight = 0.12**2 * rough.toarray() + 0.01**2 / count * np.eye(count)
         normal = jacobian.T @ jacobian + weight
         gradient = jacobian.T @ self.state.values + weight @ change
         scale = float(np.diag(normal).max())
         cost = self._cost(self.state, self.unknowns, weight)
         low, high = self._bounds()
         before, state_before, unknowns_before = self.preview.snapshot(), self.state, self.unknowns
-        while self._damping <= MAX_DAMPING:
+        while self._damping <= 1e3:
             damped = normal + self._damping * scale * np.eye(count)
             if basis is None:
                 step = _bounded_step(damped, gradient, low, high)
@@ -167,21 +162,22 @@ class FitSearch:
                 step = np.clip(step, low, high)
             predicted = -(gradient @ step + 0.5 * step @ normal @ step)
             if predicted > 0.0 and self._try(step, cost, predicted, weight):
-                self._damping = max(self._damping * DAMPING_AFTER_SUCCESS, MIN_DAMPING)
+                self._damping = max(0.3 * self._damping, 1e-9)
                 return True
             self.preview.restore(before)
             self.state, self.unknowns = state_before, unknowns_before
-            self._damping *= DAMPING_AFTER_FAILURE
+            self._damping *= 8.0
         self._damping = FIRST_DAMPING
         return False
 
     def _bounds(self) -> tuple[Floats, Floats]:
         low, high = self.unknowns.bounds
-        low, high = np.maximum(low, -LONGEST_STEP), np.minimum(high, LONGEST_STEP)
+        # largest change of an unknown in one step
+        low, high = np.maximum(low, -2.5), np.minimum(high, 2.5)
         return np.where(self._varies, low, 0.0), np.where(self._varies, high, 0.0)
 
     def _cost(self, state: SheetState, unknowns: StarUnknowns, weight: Floats) -> float:
-        change = unknowns.difference(self.start)
+        change = unknowns.values - self.start.values
         return 0.5 * float(state.values @ state.values + change @ weight @ change)
 
     def _try(self, step: Floats, cost: float, predicted: float, weight: Floats) -> bool:
@@ -195,26 +191,35 @@ class FitSearch:
         equilibrium = self.preview.equilibrium
         if len(stages) < 2 or equilibrium.guess != EDIT_START or not equilibrium.is_minimum:
             return False
-        state = self.residual.at(self.preview)
-        linear = self.residual.at(self.preview, stages[0].x).places
+        state = self.residual.at(self._lens())
+        linear = self.residual.at(self._lens(stages[0].x)).places
         miss = _rms(state.places - linear)
-        if miss > max(MAX_PREDICTION_MISS * _rms(linear - places_before), FREE_MISS_MM):
+        # 0.1 mm always pass
+        if miss > max(0.8 * _rms(linear - places_before), 0.1):
             return False
-        if cost - self._cost(state, moved, weight) < MIN_DECREASE_SHARE * predicted:
+        # share of the predicted decrease that a step must reach
+        if cost - self._cost(state, moved, weight) < 0.1 * predicted:
             return False
         self.state, self.unknowns, self._is_fresh = state, moved, False
         return True
 
     def _jacobian(self) -> Floats:
         """(3 n, 2 S) derivatives of the residuals by the unknowns."""
-        count, columns = len(self.unknowns.lengths_mm), []
+        count, columns, places = len(self.unknowns.sizes_mm), [], self.residual.places
         for number, name in enumerate(("length_mm", "thickness_mm")):
             if self._varies[number * count]:
                 responses = star_sensitivity(self.preview.state, name)  # type: ignore[arg-type]
-                columns.append(self.residual.derivatives(self.preview, self.state, responses))
+                moves = moves_at(self.preview, places.points[: places.count], responses)
+                columns.append(self.residual.derivatives(self.state, moves))
             else:
                 columns.append(np.zeros((len(self.state.values), count)))
         return np.hstack(columns) * self.unknowns.units
+
+
+def moves_at(preview: Preview, points: Floats, responses: Floats) -> Floats:
+    """(n, 3, P) moves of printed points (n, 2) for responses (N, 3, P) of the degrees of freedom of a preview."""
+    located = preview.sheet.space.locate(points)
+    return np.asarray(located.jets(responses.reshape(len(responses), -1))[:, 0].reshape(len(points), 3, -1))
 
 
 def _rms(moves: Floats) -> float:
@@ -228,3 +233,84 @@ def _bounded_step(normal: Floats, gradient: Floats, low: Floats, high: Floats) -
     right = solve_triangular(root, -gradient[varies], lower=True)
     step[varies] = lsq_linear(root.T, right, (low[varies], high[varies]), method="bvls").x
     return step
+
+
+@dataclass(eq=False)
+class ExactCorrection:
+    """Corrects the sizes of a search after its fit by the preview.
+
+    Attributes
+    ----------
+    distance_of : the distance of a shape to the target.
+    sizes, exact, distance : of the nearest exact shape: its sizes, itself, and its distance to the target; None before
+        the first one.
+    done : all exact shapes in their order, as the `corrections` of a `FitRecord`.
+    """
+
+    search: FitSearch
+    distance_of: Callable[[Shape], FitDistance]
+    report: Report | None = None
+    sizes: StarUnknowns | None = None
+    exact: Shape | None = None
+    distance: FitDistance | None = None
+    done: list[dict[str, Any]] = field(default_factory=list)
+    _previewed: Floats = field(default_factory=lambda: np.empty((0, 3)))  # places of the preview of its sizes
+
+    def run(self, base: Design, rounds: int, shape: Shape | None = None) -> None:
+        """Correct the sizes on a design without sizes, in so many rounds at most.
+
+        If the design rounds thicknesses, only the lengths change, and they first make up for the rounding. The start is
+        `shape`, the exact one of the present sizes; by default the last one is followed, and the first one is that
+        which the flat print releases to.
+        """
+        search, start = self.search, self.sizes or self.search.best
+        self.distance = None
+        if shape is not None:
+            self._keep(start, base, shape, 0.0)
+        elif self.exact is None:
+            self._try(start, base, 0.0)
+        else:
+            sizes = search.again(base, start, start)
+            self._try(sizes, base, sizes.length_change(start))
+        for _ in range(rounds):
+            # % of the diameter, exact distance within which corrections end
+            if self.distance is None or self.distance.weighted_percent <= 0.1:
+                break
+            before = self.sizes or start
+            step = search.again(base, before, start).values - before.values
+            promised = 100.0 * search.best_rms / search.diameter_mm
+            # relative decrease of the distance that a correction must promise
+            if promised > 0.97 * self.distance.weighted_percent:
+                break
+            parts = (before.moved(part * step) for part in (1.0, 0.4))
+            if not any(self._try(sizes, base, sizes.length_change(before)) for sizes in parts):
+                break
+
+    def _try(self, sizes: StarUnknowns, base: Design, step_mm: float) -> bool:
+        """Compute the exact shape of sizes; whether it is kept."""
+        near, design = self.exact, sizes.design(base)
+        if near is not None:
+            edge = near.summary["edge_mm"]
+            if near.held:  # it moves as the preview does, and is then nearer to its next minimum than to others
+                self.search.preview.update(design)
+                moves = self.search.preview.at(near.printed).bumpy - self._previewed
+                near = replace(near, positions=near.positions + moves)
+            exact = exact_shape(design, near=near, report=self.report, edge_mm=edge)
+        else:
+            exact = exact_shape(design, report=self.report)
+            if not exact.summary["is_minimum"]:
+                exact = exact_shape(design, near=preview(design, self.search.law), report=self.report)
+        return self._keep(sizes, base, exact, step_mm)
+
+    def _keep(self, sizes: StarUnknowns, base: Design, exact: Shape, step_mm: float) -> bool:
+        """Keep sizes with their exact shape if it is a minimum and nearer to the target; the fit then aims by it."""
+        distance = self.distance_of(exact)
+        percent = distance.weighted_percent
+        kept = bool(exact.summary["is_minimum"]) and (self.distance is None or percent < self.distance.weighted_percent)
+        self.done.append({"mean_percent": percent, "step_mm": step_mm, "kept": kept})
+        self.search.say(f"exact shape {len(self.done)}: {percent:.2f} % of the diameter, {'' if kept else 'not '}kept")
+        if kept:
+            self.sizes, self.exact, self.distance = sizes, exact, distance
+            self.search.aim(base, sizes, exact)
+            self._previewed = self.search.preview.at(exact.printed).bumpy
+        return kept

@@ -4,12 +4,10 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from numbers import Integral
-from typing import Annotated, Any
+from typing import Annotated
 
 from asterism.equilibrium.errors import Error
-
-MAX_CORRECTIONS, MAX_FITTED_NEEDLES = 20, 1000
+from asterism.pattern.design.section import is_whole
 
 
 class SettingError(Error, ValueError):
@@ -51,17 +49,13 @@ class FitSettings:
     within_percent: Annotated[float, "--within"] = 1.0
 
     def __post_init__(self) -> None:
-        needles, most = self.needles, MAX_CORRECTIONS
-        if needles is not None and (not _is_count(needles, MAX_FITTED_NEEDLES) or needles in (1, 2)):
-            raise SettingError(f"needles = {needles!r}: must be 0, or a whole number from 3 to {MAX_FITTED_NEEDLES}")
+        needles = self.needles
+        if needles is not None and (not is_whole(needles) or not 0 <= needles <= 1000 or needles in (1, 2)):
+            raise SettingError(f"needles = {needles!r}: must be 0, or a whole number from 3 to 1000")
         if needles is not None and self.border:
             raise SettingError(f"needles = {needles}: conflicts with border = True")
-        if not _is_count(self.corrections, most):
-            raise SettingError(f"corrections = {self.corrections!r}: must be a whole number from 0 to {most}")
+        if not is_whole(self.corrections) or not 0 <= self.corrections <= 20:
+            raise SettingError(f"corrections = {self.corrections!r}: must be a whole number from 0 to 20")
         for name, value in (("width_mm", self.width_mm), ("within_percent", self.within_percent)):
             if value is not None and not 0.0 < value < math.inf:
                 raise SettingError(f"{name} = {value!r}: must be a positive number")
-
-
-def _is_count(value: Any, most: int) -> bool:
-    return isinstance(value, Integral) and not isinstance(value, bool) and 0 <= int(value) <= most

@@ -1,19 +1,22 @@
-"""`asterism.solve_for` and `solve_for_point`: a design whose preview has a wanted size, or comes to a wanted point."""
+"""`solve_for`, `solve_for_point` and `sensitivity`: what sizes and needles do to a preview, and which are needed."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import cache
 from itertools import pairwise
 from typing import Any, Literal, get_args
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.optimize import brentq, least_squares
 
-from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.arrays import Floats, Ints
 from asterism.fitting.errors import ReachError, place_text
-from asterism.fitting.star_menu import MIN_FITTED_ARM_MM
+from asterism.fitting.reach import MIN_FITTED_ARM_MM
 from asterism.homogenize.law.axes import AXES
+from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.star_law import StarLaw
 from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.design import Design
@@ -24,16 +27,11 @@ from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.painted_stars import SIZE_KEYS, with_painted_stars
 from asterism.previews.law_choice import serving_law
 from asterism.previews.session import Preview, preview
-from asterism.previews.star_sensitivity import SizeName
+from asterism.previews.star_sensitivity import SIZE_STEPS, SizeName
 from asterism.process.listeners import Say, ignore_line
+from asterism.shape.shape import Shape
 
 Wanted = Literal["height_mm", "roll_radius_mm"]
-# factors of the sizes that are tried to enclose the value, over the whole range of the law
-TRIED_FACTORS = 9
-# relative precision of the wanted value, and of the factor
-WANTED_TOLERANCE, FACTOR_TOLERANCE = 2e-3, 1e-5
-# decimals of mm of the sizes
-SOLVED_DECIMALS = 4
 
 
 def solve_for(
@@ -95,7 +93,7 @@ def solve_for(
     def scaled(factor: float) -> Design:
         """The design with sizes scaled, within the law's range."""
         changed: Floats = np.full((len(sizes), len(SIZE_KEYS)), np.nan)
-        changed[:, column] = np.clip(factor * sizes, low, high).round(SOLVED_DECIMALS)
+        changed[:, column] = np.clip(factor * sizes, low, high).round(4)
         return with_painted_stars(design, plan.sites, changed)
 
     @cache
@@ -113,17 +111,18 @@ def solve_for(
         return measured(factor) - value
 
     ends = min(low / sizes.max(), 1.0), max(high / sizes.min(), 1.0)
-    tried = sorted({1.0, *np.geomspace(*ends, TRIED_FACTORS).tolist()})
+    # factors over the whole range of the law, to enclose the value
+    tried = sorted({1.0, *np.geomspace(*ends, 9).tolist()})
     values = [measured(factor) for factor in tried]
     pairs = zip(pairwise(tried), pairwise(values), strict=True)
     enclosing = [ends for ends, (first, last) in pairs if (first - value) * (last - value) <= 0.0]
     # of several solutions the one whose factor is nearest to 1
     for a, b in sorted(enclosing, key=lambda ends: min(abs(np.log(ends[0])), abs(np.log(ends[1])))):
         try:
-            factor = float(brentq(miss, a, b, xtol=FACTOR_TOLERANCE, rtol=FACTOR_TOLERANCE))
+            factor = float(brentq(miss, a, b, xtol=1e-5, rtol=1e-5))
         except ValueError:  # a trial between is not rolled
             continue
-        if abs(miss(factor)) <= WANTED_TOLERANCE * value:
+        if abs(miss(factor)) <= 2e-3 * value:
             return scaled(factor)
     known = [found for found in values if np.isfinite(found)]
     if not known:
@@ -137,12 +136,6 @@ def solve_for(
 
 # mm, distance from the wanted point within which the sheet has come to it
 POINT_TOLERANCE_MM = 0.02
-# mm, move of the needle that gives the derivatives: the sheet's response is linear over much more
-NEEDLE_STEP_MM = 0.2
-# most trials of the search; each takes a derivative of four previews
-MAX_NEEDLE_TRIALS = 25
-# decimals of mm of the needle's place
-NEEDLE_DECIMALS = 4
 
 
 def solve_for_point(
@@ -207,11 +200,12 @@ def solve_for_point(
     def derivatives(place: Floats) -> Floats:
         here = miss(place)
         tell(f"needle {needle} at {place_text(place)}: {np.linalg.norm(here):.3f} mm from the point")
-        steps = NEEDLE_STEP_MM * np.eye(3)
-        return np.column_stack([(miss(place + step) - here) / NEEDLE_STEP_MM for step in steps])
+        length = 0.2  # mm, the sheet's response is linear over much more
+        return np.column_stack([(miss(place + step) - here) / length for step in length * np.eye(3)])
 
-    found = least_squares(miss, start, derivatives, gtol=0.1 * POINT_TOLERANCE_MM, max_nfev=MAX_NEEDLE_TRIALS)
-    result = moved(found.x.round(NEEDLE_DECIMALS))
+    # each trial takes a derivative of four previews
+    found = least_squares(miss, start, derivatives, gtol=0.1 * POINT_TOLERANCE_MM, max_nfev=25)
+    result = moved(found.x.round(4))
     reached = preview(result, law).at(at[None])[0]
     if np.linalg.norm(reached - point) > POINT_TOLERANCE_MM:
         raise ReachError(
@@ -239,3 +233,85 @@ def _needles(design: Design) -> list[tuple[int, int, Floats]]:
         if pins.edges is None and pins.where is None
         for row, place in enumerate(pins.target_mm or ())
     ]
+
+
+@dataclass(frozen=True, eq=False)
+class Sensitivity:
+    """Derivatives of a quantity by one size of each star.
+
+    Attributes
+    ----------
+    value : (...) the quantity.
+    derivatives : (S, ...) its change per mm by which the size of each star grows. Where the quantity has a kink, as the
+        height of a symmetric sheet with several highest places, it may change differently when the size shrinks.
+    stars : (S,) numbers of the stars.
+    centres : (S, 2) mm, their places on the print.
+    """
+
+    value: Floats
+    derivatives: Floats
+    stars: Ints
+    centres: Floats
+
+
+def sensitivity(
+    design: Design,
+    of: Literal["height_mm"] | Callable[[Shape], ArrayLike] = "height_mm",
+    by: SizeName = "length_mm",
+    law: Law | None = None,
+) -> Sensitivity:
+    """Compute how a quantity of the preview changes with one size of each star.
+
+    The sheet follows a small change of one star after the other by its linear response, with the bumps of the stars.
+    Thicknesses and widths are those before a rounding of the design.
+
+    Parameters
+    ----------
+    design : with stars; from `load_design`, `new` or `Design.from_dict`.
+    of : `height_mm`, or a function of a `Shape` that gives a number or an array. The function may use all of the shape
+        but its summary and its fields.
+    by : `length_mm`, `thickness_mm` or `width_mm`. A size at the upper end of the law's range is changed downwards.
+    law : as for `Preview`.
+
+    Raises
+    ------
+    DesignError, MeshError, LawError
+        As for `Preview`.
+    ValueError
+        `of` or `by` is not one of these, or the search finds no minimum.
+
+    Examples
+    --------
+    >>> from asterism.pattern import gallery
+    >>> found = sensitivity(gallery.load("star"), of=lambda shape: shape.at([[0.0, 0.0]])[0])
+    >>> found.derivatives.shape
+    (1, 3)
+    """
+    check_type(design, Design, "load_design reads one from a file")
+    if not (of == "height_mm" or callable(of)):
+        raise ValueError(f"of = {of!r}: must be 'height_mm' or a function of a shape")
+    if by not in get_args(SizeName):
+        raise ValueError(f"by = {by!r}: must be {' or '.join(get_args(SizeName))}")
+    stars = design.required_stars.model_copy(update={"rounding": None})
+    design = design.model_copy(update={"stars": stars})
+    preview = Preview(design, law)
+    if not preview.equilibrium.is_minimum:
+        raise ValueError("the search finds no minimum, and only a minimum has derivatives")
+    shown, plan, column = preview.shape(), preview.state.layout, SIZE_KEYS.index(by)
+
+    def quantity(x: Any) -> Floats:
+        moved = replace(shown, positions=preview.at(shown.printed, x).bumpy)
+        moved = moved if moved.held else moved.aligned()
+        return np.asarray(moved.height_mm if of == "height_mm" else of(moved), dtype=float)  # type: ignore[operator]
+
+    value, sizes = quantity(None), plan.star_sizes_mm[:, column]
+    steps = np.full(len(sizes), SIZE_STEPS[column]) * (1.0 if column == 0 else sizes)
+    top = preview.law.size_ranges(design.fabric.stretch_xy)[AXES[column].key][1]
+    steps = np.where(sizes + steps > top, -steps, steps)
+    changes = []
+    for site, size, step in zip(plan.sites, sizes, steps, strict=True):
+        row = np.full((1, len(SIZE_KEYS)), np.nan)
+        row[0, column] = size + step
+        response = next(preview.edit(with_painted_stars(design, site[None], row)))
+        changes.append((quantity(response.x) - value) / step)
+    return Sensitivity(value, np.array(changes), plan.star_number, plan.centres)

@@ -11,9 +11,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from asterism.equilibrium.arrays import Floats, Ints
-from asterism.fitting.disk import Disk, disk_of
+from asterism.fitting.disk import Disk, disk_of, height_mesh
 from asterism.fitting.errors import TargetError, place_text
-from asterism.fitting.height_mesh import height_mesh
 from asterism.measure.compare.nearest import NearestOnSurface
 from asterism.measure.compare.scan import MAX_SCAN_COORDINATE
 from asterism.pattern.design.design import WEIGHT_RANGE
@@ -23,12 +22,6 @@ from asterism.pattern.geometry.diameter import diameter
 from asterism.pattern.geometry.normals import triangle_normals, vertex_normals
 from asterism.shape.self_intersections import self_intersections
 
-# a target with fewer triangles is divided: the flattening needs a mesh that resolves its curvature
-MIN_TARGET_TRIANGLES = 1500
-# mm, largest distance of two points: smaller targets have no room for stars, larger ones no printer
-TARGET_SIZES_MM = (10.0, 4000.0)
-# share of the sum of absolute curvatures below which neither side is the convex one
-MIN_CONVEX_SHARE = 0.02
 # points along the longer side of a height field
 HEIGHT_POINTS = 60
 # a fit uses the target over cells of some mm; 20 000 triangles resolve a target of 4 m to some hundredths of a cell
@@ -36,8 +29,6 @@ MAX_TARGET_TRIANGLES = 20_000
 PICTURE_FORMATS = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".webp")
 # a pixel, or a block of a field of heights, belongs to the surface if at least this part of it does
 MIN_FILLED_SHARE = 0.5
-# weights of black and white of a picture; transparent pixels have that of black
-PICTURE_WEIGHTS = (1.0, 10.0)
 
 PlasticSide = Literal["auto", "normals", "other"]
 
@@ -102,7 +93,8 @@ class TargetSurface:
             raise TargetError(name, f"passes through itself: {crossings} pairs of triangles cross")
         scale = 1.0 if size_mm is None else size_mm / diameter(disk.vertices)
         disk = _subdivided(Disk(scale * disk.vertices, disk.triangles))
-        size, (least, most) = diameter(disk.vertices), TARGET_SIZES_MM
+        # mm, largest distance of two points: smaller targets have no room for stars, larger ones no printer
+        size, (least, most) = diameter(disk.vertices), (10.0, 4000.0)
         if not least <= size <= most:
             raise TargetError(
                 name, f"is {size:.4g} mm large, allowed are {least:g} to {most:g} mm: give its unit, or its size in mm"
@@ -278,7 +270,8 @@ def _picture_weights(name: str, path: Path, places: Floats) -> Floats:
     rows, columns = (count - 1 for count in levels.shape)
     at = np.stack([(1.0 - share[:, 1]) * rows, share[:, 0] * columns])
     grey = map_coordinates(np.nan_to_num(levels), at, order=1, mode="nearest")
-    black, white = PICTURE_WEIGHTS
+    # weights of black and white of a picture; transparent pixels have that of black
+    black, white = (1.0, 10.0)
     return np.asarray(black + (white - black) * np.clip(grey, 0.0, 1.0))
 
 
@@ -302,7 +295,8 @@ def _subdivided(disk: Disk) -> Disk:
     import trimesh  # slow to import
 
     vertices, triangles = disk.vertices, disk.triangles
-    while len(triangles) < MIN_TARGET_TRIANGLES:
+    # a target with fewer triangles is divided: the flattening needs a mesh that resolves its curvature
+    while len(triangles) < 1500:
         vertices, triangles = trimesh.remesh.subdivide(vertices, triangles)
     return Disk(np.asarray(vertices), np.asarray(triangles, dtype=np.int64))
 
@@ -312,7 +306,8 @@ def _is_convex_side(disk: Disk) -> bool:
     # the Laplacian of the position is the mean curvature vector, which points to the concave side
     pull = disk.laplacian @ disk.vertices
     convex = np.einsum("vc,vc->v", pull, vertex_normals(disk.vertices, disk.triangles))[disk.inner]
-    if abs(convex.sum()) > MIN_CONVEX_SHARE * np.abs(convex).sum() and abs(convex.sum()) > 1e-9:
+    # share of the sum of absolute curvatures below which neither side is the convex one
+    if abs(convex.sum()) > 0.02 * np.abs(convex).sum() and abs(convex.sum()) > 1e-9:
         return bool(convex.sum() > 0.0)
     return bool(triangle_normals(disk.vertices, disk.triangles)[:, 2].sum() >= 0.0)
 

@@ -9,16 +9,9 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from asterism.equilibrium.arrays import Floats
-from asterism.fitting.disk import directed_edges
 from asterism.fitting.flatten import FlatDisk
 from asterism.pattern.geometry.point_location import TriangleFinder, clipped
-
-# of the spacing: curvatures are those of a quadric through the target within this distance on the print
-CURVATURE_RADIUS = 0.9
-# of the spacing: distance of the points through which the quadric goes
-CURVATURE_STEP = 0.2
-# twice the coefficients of a quadric; places with fewer points around have no curvature
-MIN_QUADRIC_POINTS = 12
+from asterism.shape.surface_fields import directed_edges
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,7 +61,8 @@ class TargetMap:
         They are those of the quadric `x(X)` that fits the target around each point best, so that noise and features
         smaller than a cell do not count.
         """
-        step = CURVATURE_STEP * self.spacing_mm
+        # of the spacing: distance of the points through which the quadric goes
+        step = 0.2 * self.spacing_mm
         low, high = self.printed.min(axis=0), self.printed.max(axis=0)
         grid = np.stack(np.meshgrid(*(np.arange(a, b + step, step) for a, b in zip(low, high, strict=True))), axis=-1)
         samples = grid.reshape(-1, 2)
@@ -80,8 +74,10 @@ class TargetMap:
         )
         tree = cKDTree(samples)
         result = np.zeros((len(points), 2))
-        for row, near in enumerate(tree.query_ball_point(points, CURVATURE_RADIUS * self.spacing_mm)):
-            if len(near) >= MIN_QUADRIC_POINTS:
+        # of the spacing: curvatures are those of a quadric through the target within this distance on the print
+        for row, near in enumerate(tree.query_ball_point(points, 0.9 * self.spacing_mm)):
+            # twice the coefficients of a quadric; places with fewer points around have no curvature
+            if len(near) >= 12:
                 result[row] = _quadric_curvatures(samples[near] - points[row], places[near])
         return result
 

@@ -22,24 +22,19 @@ EQUAL_AXES_DEG = 2.0
 def summary(state: PreviewState, shape: Shape, seconds: dict[str, float]) -> PreviewRecord:
     """The record of a preview's shape. Keys that it shares with the record of an exact shape have the same meaning."""
     equilibrium, layout, error = state.equilibrium, state.layout, expected_error(state)
-    law, values, mesh = state.sheet.law, state.sheet.values, state.sheet.shown.mesh
+    law, values = state.sheet.law, state.sheet.values
     axis = roll_axis_from_normals(layout, shape.point_fields["normal"][sample_vertices(layout, shape)])
     across, height = diameter(shape.positions), shape.height_mm
     surface = shape.positions, shape.triangles
     crossings = self_intersections(*surface) if meets_itself(shape.printed, *surface) else 0
     overstretched = overstretched_stars(shape, state.design, layout).tolist()
-    numbers = shape_numbers(layout, shape, axis)
+    numbers = shape_numbers(layout, shape, equilibrium, axis)
+    numbers["is_minimum"] = equilibrium.is_minimum and not overstretched
     if not layout.has_stars:
         numbers["rods_total"] = len(layout.graph.rods)
     return PreviewRecord(
         model=PreviewRecord.model_name,
         **numbers,
-        converged=equilibrium.converged,
-        is_minimum=equilibrium.is_minimum and not overstretched,
-        gradient_norm=equilibrium.gradient_norm,
-        gradient_tolerance=equilibrium.tolerance,
-        energy_n_mm=equilibrium.energy,
-        energy_parts_n_mm=equilibrium.energies,
         soft_modes_n_mm3=[float(value) for value in equilibrium.soft_modes],
         stars=len(layout.centres),
         equivalent_axes_deg=equivalent_axes_deg(state, axis),
@@ -65,12 +60,7 @@ def summary(state: PreviewState, shape: Shape, seconds: dict[str, float]) -> Pre
         stars_uneven=list(values.strongly_anisotropic) if layout.has_stars else [],
         shell_triangles=state.sheet.space.mesh.nelements,
         dofs=state.shell.reduction.map.shape[1],
-        vertices=len(mesh.points),
-        triangles=len(mesh.triangles),
-        mesh=mesh.kind,
-        iterations=equilibrium.iterations,
-        factorisations=equilibrium.factorisations,
-        saddles_left=equilibrium.saddles_left,
+        mesh=state.sheet.shown.mesh.kind,
         load_steps=equilibrium.load_steps,
         wall_s=sum(seconds.values()),
         wall_s_by_stage=seconds,

@@ -26,8 +26,8 @@ from asterism.print.write import write_export
 from asterism.process.listeners import Say
 from asterism.results.files import holds_result
 from asterism.results.records.export import ExportRecord, ShapeChangeRecord
-from asterism.shape.read_shape import folder_of, read_shape
 from asterism.shape.shape import Shape
+from asterism.shape.vtu import folder_of, read_shape
 
 
 @dataclass(frozen=True)

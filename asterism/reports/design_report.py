@@ -1,24 +1,46 @@
-"""The public function behind `asterism report`: a design on one page."""
+"""`asterism report`: a design on one A4 page as PDF, with picture, facts, layout at a round scale and needles."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import textwrap
+import warnings
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
+import matplotlib
+import numpy as np
+import shapely
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.patches import PathPatch
+from matplotlib.path import Path as Outline
+from matplotlib.transforms import Affine2D, Transform
+from PIL import Image
+from shapely.geometry.base import BaseGeometry
+
+from asterism.draw.fonts import families, printable
+from asterism.draw.picture import draw_shape
+from asterism.draw.style import INK, PALE
+from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.errors import ForeignLaw, LawError
 from asterism.homogenize.law.law import Law
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.materials import ResidualCurvature
+from asterism.pattern.layout.layout import Layout
+from asterism.print.drawing import A4_MM
 from asterism.print.job import Job, prepare
 from asterism.print.printer import PlasticProfile, Printer, load_plastic, load_printer
 from asterism.process.listeners import Say, ignore_line
-from asterism.reports.design_page import design_facts, write_design_page
 from asterism.results.files import OutputError, check_writable, staged
-from asterism.shape.read_shape import SHAPE_FILE, read_shape
+from asterism.results.record import Record
+from asterism.results.words import VISIBLE_SAG_MM, shape_in_words
 from asterism.shape.shape import Shape
+from asterism.shape.vtu import SHAPE_FILE, read_shape
 
 
 @dataclass(frozen=True)
@@ -85,7 +107,7 @@ def report(
     summary: Mapping[str, Any] = shape.summary if shape is not None else {}
     facts = design_facts(job, summary, source)
     with staged(path.parent) as folder:
-        scale = write_design_page(folder / path.name, job, facts, summary.get("warnings", []), shape)
+        scale = _write_design_page(folder / path.name, job, facts, summary.get("warnings", []), shape)
     return DesignReport(job, shape, source, scale)
 
 
@@ -129,3 +151,291 @@ def _is_of(shape: Shape, design: Design) -> bool:
         return False
     aside = {name: getattr(design, name) for name in ("name", "mesh", "solver")}
     return other is not None and other.model_copy(update=aside) == design
+
+
+Facts = dict[str, list[str]]
+
+
+# width and height of the page
+PAGE_MM = np.array(A4_MM)
+# empty border of the page
+_MARGIN_MM = 15.0
+# colours of needles and warnings, and of the sheet
+RED = "#c8553d"
+SHEET = "#f3f1ea"
+# size of the area for the layout, and its lower left corner on the page
+LAYOUT_MM = np.array([112.0, 122.0])
+LAYOUT_AT = np.array([83.0, 42.0])
+# the page lists the places of at most this many needles
+MAX_LISTED_NEEDLES = 12
+# largest number of lines of the warnings
+MAX_WARNING_LINES = 3
+# scales 1:n of the layout
+SCALES = (1, 1.5, 2, 2.5, 3, 4, 5, 10, 20, 50)
+# points per mm
+_POINTS = 72 / 25.4
+
+
+def _write_design_page(path: Path, job: Job, facts: Facts, lines: Sequence[str], shape: Shape | None) -> float:
+    """Write the page as PDF, with these facts and warnings; returns n of the layout's scale 1:n."""
+    figure = Figure(figsize=tuple(PAGE_MM / 25.4), dpi=72.0, facecolor="white")
+    FigureCanvasAgg(figure)
+    to_page = Affine2D().scale(_POINTS)
+    name = job.design.name
+    _text(figure, to_page, _MARGIN_MM, 276.0, name, 7.0 * min(1.0, 40 / max(len(name), 1)), weight="bold")
+    if shape is not None:
+        _picture(figure, shape)
+    _warnings(figure, to_page, lines)
+    _facts(figure, to_page, facts)
+    parts = _layout(figure, to_page, job)
+    _needles(figure, to_page, job)
+    settings: dict[Any, Any] = {"pdf.fonttype": 42, "path.simplify": False}
+    with warnings.catch_warnings(), matplotlib.rc_context(settings):
+        warnings.filterwarnings("ignore", "Glyph .* missing from font")
+        page = BytesIO()
+        figure.savefig(page, format="pdf", dpi=300, metadata={"Title": name, "CreationDate": None})
+    # not by matplotlib, whose error on a full disk is not an OSError
+    path.write_bytes(page.getvalue())
+    return parts
+
+
+def _picture(figure: Figure, shape: Shape) -> None:
+    stream = BytesIO()
+    draw_shape(shape, "", stream)
+    with Image.open(stream) as image:
+        # without the caption, which the page repeats as text
+        pixels = np.asarray(image.convert("RGB"))[140:]
+    height, width = pixels.shape[:2]
+    size = np.array([PAGE_MM[0] - 2 * _MARGIN_MM, 0.0])
+    size[1] = size[0] * height / width
+    low = np.array([_MARGIN_MM, 270.0 - size[1]])
+    axes = figure.add_axes((*(low / PAGE_MM), *(size / PAGE_MM)))
+    axes.imshow(pixels, interpolation="none")
+    axes.axis("off")
+
+
+def _warnings(figure: Figure, to_page: Transform, texts: Sequence[str]) -> None:
+    """Write the warnings between the picture and the facts, as many as fit."""
+    # longest line of the warnings, in characters
+    lines = [line for text in texts for line in textwrap.wrap(text, 145)]
+    if len(lines) > MAX_WARNING_LINES:
+        lines = [*lines[: MAX_WARNING_LINES - 1], "... and more: see the summary of the results"]
+    for k, line in enumerate(lines):
+        _text(figure, to_page, _MARGIN_MM, 181.5 - 3.2 * k, line, 2.3, color=RED)
+
+
+def _facts(figure: Figure, to_page: Transform, facts: Facts) -> None:
+    # baselines of the first and of the last line of the facts; their distances, below a line and below a paragraph
+    top, bottom = (170.0, 40.0)
+    below_line, below_paragraph = (4.2, 6.4)
+    needed = sum(below_line * len(lines) for lines in facts.values()) + below_paragraph * (len(facts) - 1)
+    squeezed = min(1.0, (top - bottom) / needed)
+    y = top
+    for head, lines in facts.items():
+        _text(figure, to_page, _MARGIN_MM, y, head, 3.3 * squeezed, weight="bold")
+        for line in lines:
+            y -= below_line * squeezed
+            _text(figure, to_page, _MARGIN_MM, y, line, 2.7 * squeezed)
+        y -= below_paragraph * squeezed
+
+
+def _layout(figure: Figure, to_page: Transform, job: Job) -> float:
+    """Draw the printed layout, seen from the plastic side, with its needles; returns n of its scale 1:n."""
+    border = job.plan.outline
+    low, high = border.min(axis=0), border.max(axis=0)
+    parts = next((n for n in SCALES if ((high - low) / n <= LAYOUT_MM).all()), SCALES[-1])
+    middle = LAYOUT_AT + LAYOUT_MM / 2
+    to_drawing = Affine2D().translate(*-(low + high) / 2).scale(1 / parts).translate(*middle) + to_page
+    sheet = shapely.Polygon(border, job.plan.holes)
+    _draw(figure, to_drawing, sheet, facecolor=SHEET, edgecolor=PALE, linewidth=0.6)
+    for piece in (*job.arms, *job.rods):
+        _draw(figure, to_drawing, piece.region, facecolor=INK if piece.side > 0 else PALE, linewidth=0)
+    for needle in job.needles[:200]:
+        spot = shapely.Point(needle.printed).buffer(1.0 * parts)
+        _draw(figure, to_drawing, spot, facecolor=RED, linewidth=0)
+        if len(job.needles) <= MAX_LISTED_NEEDLES:
+            # the number stands towards the middle, so that it stays within the drawing
+            inwards = (low + high) / 2 - needle.printed
+            far = float(np.linalg.norm(inwards))
+            at = needle.printed + 4.0 * parts * (inwards / far if far > 4.0 * parts else np.array([0.0, 1.0]))
+            x, y = (at - (low + high) / 2) / parts + middle
+            # with a background, since it may lie on an arm
+            style = {"color": RED, "weight": "bold", "bbox": {"facecolor": SHEET, "edgecolor": "none", "pad": 0.6}}
+            _text(figure, to_page, x, y - 1.0, str(needle.number), 2.8, ha="center", **style)
+    head = f"Layout 1:{parts:g}, on the stretched fabric, " + ("plastic below grey" if job.below else "plastic side")
+    _text(figure, to_page, LAYOUT_AT[0], LAYOUT_AT[1] + LAYOUT_MM[1] + 5.0, head, 3.3, weight="bold")
+    return float(parts)
+
+
+def _needles(figure: Figure, to_page: Transform, job: Job) -> None:
+    needles = job.needles
+    if not needles:
+        _text(figure, to_page, _MARGIN_MM, 33.0, "No needles: the sheet is free.", 2.7, color=PALE)
+        return
+    _text(figure, to_page, _MARGIN_MM, 35.0, f"Needles: {len(needles)}", 3.3, weight="bold")
+    if len(needles) > MAX_LISTED_NEEDLES:
+        text = "Red dots in the layout. asterism export writes their places (needles.csv) and a drilling template."
+        _text(figure, to_page, _MARGIN_MM, 30.5, text, 2.7)
+        return
+    for i, needle in enumerate(needles):
+        column, row = divmod(i, 4)
+        printed = _numbers(needle.printed)
+        place = "slides" if needle.place is None else _numbers(needle.place)
+        text = f"{needle.number}: printed ({printed}), stands at ({place})"
+        _text(figure, to_page, _MARGIN_MM + 62.0 * column, 30.5 - 4.2 * row, text, 2.3)
+
+
+def _numbers(place: Floats) -> str:
+    """Coordinates in mm, without negative zeros; an open coordinate is `slides`."""
+    return ", ".join("slides" if np.isnan(value) else f"{value:.1f}" for value in np.round(place, 1) + 0.0)
+
+
+def _draw(figure: Figure, transform: Transform, region: BaseGeometry, **style: Any) -> None:
+    for polygon in shapely.orient_polygons(shapely.get_parts(region)):
+        rings = [polygon.exterior, *polygon.interiors]  # holes run the other way round
+        outline = Outline.make_compound_path(*(Outline(np.asarray(ring.coords), closed=True) for ring in rings))
+        figure.add_artist(PathPatch(outline, transform=transform, **style))
+
+
+def _text(
+    figure: Figure, to_page: Transform, x: float | Floats, y: float | Floats, text: str, size_mm: float, **style: Any
+) -> None:
+    settings: dict[str, Any] = {"color": INK, "family": families(), "parse_math": False} | style
+    figure.text(float(x), float(y), printable(text), transform=to_page, fontsize=size_mm * _POINTS, **settings)
+
+
+def design_facts(job: Job, summary: Mapping[str, Any], source: str) -> Facts:
+    """Lines on parameters, shape (with its origin), accuracy and material, as far as they are available."""
+    facts = {
+        "Fabric": _fabric(job.design),
+        "Plastic": _plastic(job.design),
+        "Stars": _stars(job.drawn_plan, job.design) if job.arms else [],
+        "Rods": _rods(job.drawn_plan),
+        "Shape": [
+            source,
+            *_as_drawn(job, summary),
+            *_rows(summary, "height_mm", "extent_mm", "above_needles_mm"),
+            *([shape_in_words(summary)] if "is_minimum" in summary else []),
+            *_hanging(job),
+        ],
+        "Computation": _accuracy(summary),
+        "Print": _print(job),
+    }
+    return {head: lines for head, lines in facts.items() if lines}
+
+
+def _fabric(design: Design) -> list[str]:
+    x, y = design.fabric.stretch_xy
+    stretch = f"{x:g}" if x == y else f"{x:g} along x, {y:g} along y"
+    lines = [f"stretch {stretch}, {design.fabric.thickness_mm:g} mm thick", f"bending: {design.fabric.bending}"]
+    # of a fabric without a grain only the weight depends on the modulus
+    if design.fabric.is_orthotropic or design.gravity.on:
+        lines.append(f"E {design.fabric.modulus_text}")
+    if design.gravity.on:
+        x, y, z = design.gravity.direction
+        lines.append(f"weight along ({x:g}, {y:g}, {z:g})")
+    return lines
+
+
+def _plastic(design: Design) -> list[str]:
+    plastic = design.plastic
+    kept = plastic.kappa_bar_per_mm
+    bar = "by thickness" if isinstance(kept, ResidualCurvature) else f"{kept:g} /mm"
+    return [f"E1/E2 {plastic.modulus_ratio:g}, {plastic.rest_curvature}", f"kappa_bar {bar}"]
+
+
+def _stars(plan: Layout, design: Design) -> list[str]:
+    return [
+        f"{len(plan.centres)}, {design.lattice.arms} arms, {design.lattice.spacing_mm:.4g} mm apart",
+        f"length {_range(plan.arm_length)} mm",
+        f"thickness {_range(plan.arm_thickness)}, width {_range(plan.arm_width)} mm",
+        *_sides(plan),
+        _size(plan),
+    ]
+
+
+def _rods(plan: Layout) -> list[str]:
+    """The drawn rods; empty without any."""
+    rods = plan.drawn_rods
+    if not rods:
+        return []
+    thickness, widths = (np.concatenate([getattr(rod, name) for rod in rods]) for name in ("thickness", "width"))
+    return [
+        f"{len(rods)} between nodes, {sum(rod.length for rod in rods):.0f} mm in all",
+        f"joints: {len(plan.graph.joints)}",
+        f"thickness {_range(thickness)}, width {_range(widths)} mm",
+        _size(plan),
+    ]
+
+
+def _size(plan: Layout) -> str:
+    width, height = np.ptp(plan.outline, axis=0)
+    return f"sheet {width:.1f} x {height:.1f} mm, stretched"
+
+
+def _sides(plan: Layout) -> list[str]:
+    """The number of stars below the fabric, and of those that start down or flat."""
+    below = int((plan.star_side < 0).sum())
+    down, free = (int((plan.star_branch == side).sum()) for side in (-1, 0))
+    parts = [f"{count} {how}" for count, how in ((down, "down"), (free, "flat")) if count]
+    return [*([f"{below} below the fabric"] if below else []), *(["started " + ", ".join(parts)] if parts else [])]
+
+
+def _as_drawn(job: Job, summary: Mapping[str, Any]) -> list[str]:
+    """A line if the shape belongs to the design as drawn, and the printer rounds its sizes."""
+    if not job.is_rounded or "design" not in summary:
+        return []
+    shown = Design.from_dict(summary["design"])
+    if (shown.stars, shown.rods) == (job.design.stars, job.design.rods):
+        return []
+    return ["as drawn, before rounding (see Print)"]
+
+
+def _rows(summary: Mapping[str, Any], *names: str) -> list[str]:
+    """The rows of the summary's table on the terminal, broken to the width of the column."""
+    if not isinstance(summary, Record):
+        return []
+    rows = summary.table([name for name in names if name in summary.rows])
+    texts = [f"{label} {text}" for label, text in rows.items()]
+    return [line for text in texts for line in textwrap.wrap(text, 46)]
+
+
+def _hanging(job: Job) -> list[str]:
+    if job.hangs_mm is None or job.hangs_mm <= VISIBLE_SAG_MM:
+        return []
+    doubt = job.hangs_doubt_mm
+    below = f"hangs {job.hangs_mm:.1f} mm below its base"
+    return [below] if doubt is None else [f"{below},", f"give or take {doubt:.1f} mm"]
+
+
+def _accuracy(summary: Mapping[str, Any]) -> list[str]:
+    lines = _rows(summary, "expected_rms_percent", "mesh_error_percent", "law")
+    if lines:
+        lines += ["Errors of the computation, not of the print,", "whose distance was not measured."]
+    return lines
+
+
+def _print(job: Job) -> list[str]:
+    cost = job.cost
+    return [
+        *([f"LARGER than the {job.printer.name} can print in its frame"] if job.too_large else []),
+        f"{job.printer.name}, {job.plastic.name}",
+        *_rounded(job),
+        f"{cost.mass_g:.1f} g, {cost.filament_m:.2f} m of filament",
+        f"about {cost.minutes:.0f} minutes",
+        f"nozzle starts {job.z_offset_mm:g} mm above the bed" + ("" if job.fabric_given else ", on released fabric"),
+    ]
+
+
+def _rounded(job: Job) -> list[str]:
+    """The sizes that the printer makes, if they differ from those of the design."""
+    lines = []
+    for name, size in job.size_changes.items():
+        if size.stars_changed or size.rods_changed:
+            lines.append(f"{name} " + ", ".join(f"{value:g}" for value in size.values_mm[:4]) + " mm after rounding")
+    return lines
+
+
+def _range(values: np.ndarray) -> str:
+    low, high = float(values.min()), float(values.max())
+    return f"{low:.3g}" if high - low < 0.005 * high else f"{low:.3g} to {high:.3g}"

@@ -5,25 +5,28 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from html import escape
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
+from matplotlib.figure import Figure
+from matplotlib.tri import Triangulation
 from scipy.spatial import cKDTree
 
-from asterism.equilibrium.arrays import Bools
+from asterism.draw.render import bare, scene
+from asterism.draw.shading import FABRIC_SIDE
+from asterism.draw.style import INK, PALE, add_grid, style_axes
+from asterism.equilibrium.arrays import Bools, Floats
 from asterism.fitting.fit import Fit
 from asterism.fitting.target import TargetSurface
+from asterism.measure.compare.comparison_picture import SIGNED_DISTANCE_COLOURS, surface_cut
 from asterism.pattern.design.arguments import check_type
 from asterism.pattern.geometry.planar import distance_to_outline
 from asterism.print.formats.obj import write_shape_obj
-from asterism.reports.fit_plots import (
-    colour_limit,
-    contraction_map,
-    contraction_ranges,
-    fit_views,
-    sections,
-    signed_distance_map,
-)
 from asterism.reports.html import design_rows, figures, html_page, html_table, png, tiles, warnings_box
+from asterism.reports.plots import BLUE, ORANGE, PLOT_DPI, aligned_views, png_of, print_figure, together
 from asterism.results.files import SUMMARY_FILE, staged_result
 from asterism.results.records.fit import FitRecord
 from asterism.shape.vtu import write_rods_vtu, write_shape_vtu
@@ -141,7 +144,7 @@ def _how(s: FitRecord) -> str:
 def _pictures(fitted: Fit) -> list[str]:
     seen = {name: [png(image) for image in images] for name, images in fit_views(fitted).items()}
     by = "exact shape" if fitted.summary.exact else "preview"
-    far = colour_limit(fitted)
+    far = _colour_limit(fitted)
     return [
         "<h2>Target and shape</h2>",
         figures([(seen["target"][0], "target"), (seen["shape"][0], f"{by} of the design")]),
@@ -167,8 +170,8 @@ def _pictures(fitted: Fit) -> list[str]:
         "<h2>Contraction</h2>",
         figures(
             [
-                (contraction_map(fitted), "needed on the print; red stars cannot contract so"),
-                (contraction_ranges(fitted), "what each star needs, and the range that stars have"),
+                (_contraction_map(fitted), "needed on the print; red stars cannot contract so"),
+                (_contraction_ranges(fitted), "what each star needs, and the range that stars have"),
             ]
         ),
     ]
@@ -308,7 +311,7 @@ def _places(fitted: Fit) -> tuple[dict[str, float], tuple[str, ...]]:
     rim, inside = places.values()
     if rim > MAIN_FACTOR * inside:
         advice.append("Most of the distance is at the rim." + (" More needles hold it." if s.needles else ""))
-    ends = stars_at_ends(fitted)
+    ends = _stars_at_ends(fitted)
     if ends.any() and not ends.all():
         nearest = cKDTree(plan.centres).query(shape.printed)[1]
         at_end, elsewhere = _rms(fitted, ends[nearest]), _rms(fitted, ~ends[nearest])
@@ -318,7 +321,7 @@ def _places(fitted: Fit) -> tuple[dict[str, float], tuple[str, ...]]:
     return places, tuple(advice)
 
 
-def stars_at_ends(fitted: Fit) -> Bools:
+def _stars_at_ends(fitted: Fit) -> Bools:
     """(S,) whether a star has the shortest or the longest arms that the law covers."""
     plan, menu = fitted.shape.layout, fitted.guess.menu
     assert plan is not None
@@ -333,3 +336,135 @@ def _rms(fitted: Fit, part: Bools) -> float:
     weights = fitted.shape.weights * part
     mean_square = weights @ fitted.distance.mean_mm**2 / max(weights.sum(), 1e-300)
     return float(100.0 * np.sqrt(mean_square) / fitted.distance.diameter_mm)
+
+
+TARGET_COLOUR = "#c8553d"
+
+
+def signed_distance_map(fitted: Fit) -> bytes:
+    """PNG of the signed distance over the print, mean over a cell; needles are points, a cross is at the largest."""
+    figure, axes = _figure_with_needles(fitted)
+    shape, far = fitted.shape, _colour_limit(fitted)
+    mesh = Triangulation(shape.printed[:, 0], shape.printed[:, 1], shape.triangles)
+    drawn = axes.tripcolor(
+        mesh, fitted.distance.mean_mm, cmap=SIGNED_DISTANCE_COLOURS, vmin=-far, vmax=far, shading="gouraud"
+    )
+    figure.colorbar(drawn, label="mm; red: on the plastic side of the target", shrink=0.85, extend="both")
+    worst = int(np.abs(fitted.distance.surface_mm).argmax())
+    axes.plot(*shape.printed[worst], "X", color=INK, markersize=9, markeredgecolor="white")
+    return png_of(figure)
+
+
+def _contraction_map(fitted: Fit) -> bytes:
+    """PNG of the contraction that each place of the print needs; stars whose law does not give it are red."""
+    figure, axes = _figure_with_needles(fitted)
+    target_map = fitted.guess.target_map
+    triangles = target_map.flat.disk.triangles
+    mesh = Triangulation(target_map.printed[:, 0], target_map.printed[:, 1], triangles)
+    needed = np.exp(target_map.log_contraction)
+    drawn = axes.tripcolor(mesh, needed, cmap=colormaps["viridis"], shading="gouraud")
+    figure.colorbar(drawn, label="length in space over printed length", shrink=0.85)
+    plan = fitted.shape.layout
+    assert plan is not None
+    here, low, high = star_contractions(fitted)
+    outside = (here < low) | (here > high)
+    axes.plot(*plan.centres[~outside].T, ".", color="white", markersize=4)
+    axes.plot(*plan.centres[outside].T, "o", color=TARGET_COLOUR, markersize=5, markeredgecolor="white")
+    return png_of(figure)
+
+
+def _contraction_ranges(fitted: Fit) -> bytes:
+    """PNG of the contraction that each star needs, over the range that stars have."""
+    figure = Figure(figsize=(5.6, 3.6), dpi=PLOT_DPI, layout="constrained")
+    axes = figure.subplots()
+    here, low, high = star_contractions(fitted)
+    order = np.argsort(here, kind="stable")
+    rank, outside = np.arange(len(here)), ((here < low) | (here > high))[order]
+    axes.axhspan(low, high, color="#cfd6e2", label="available")
+    axes.plot(rank[~outside], here[order][~outside], "o", color=BLUE, markersize=3.5, label="needed")
+    if outside.any():
+        axes.plot(rank[outside], here[order][outside], "o", color=TARGET_COLOUR, markersize=4.5, label="not available")
+    add_grid(axes)
+    style_axes(axes, f"stretch {fitted.summary.stretch:g}", "stars, in the order of the needed contraction")
+    axes.set_ylabel("length in space over printed length", fontsize=9, color=PALE)
+    figure.legend(*axes.get_legend_handles_labels(), frameon=False, loc="outside upper right", ncols=3, fontsize=8)
+    return png_of(figure)
+
+
+def star_contractions(fitted: Fit) -> tuple[Floats, float, float]:
+    """(S,) contraction that each star's place needs, and the smallest and the largest one of all stars."""
+    plan, target_map = fitted.shape.layout, fitted.guess.target_map
+    assert plan is not None
+    needed = np.exp(target_map.interpolate(target_map.log_contraction, plan.centres))
+    return needed, *fitted.guess.menu.range
+
+
+def sections(fitted: Fit) -> bytes:
+    """PNG of the sections of target and shape along x and y through the middle of the target."""
+    both = np.concatenate([fitted.target.disk.vertices, fitted.shape.positions])
+    width, depth, rise = np.ptp(both, axis=0)
+    flatness = rise / max(min(width, depth), 1e-9)
+    figure = Figure(figsize=(10.0, float(np.clip(1.2 + 5.0 * flatness, 1.8, 4.6))), dpi=PLOT_DPI, layout="constrained")
+    for along, axes in enumerate(figure.subplots(1, 2)):
+        _draw_section(axes, fitted, along)
+    return png_of(figure)
+
+
+def _draw_section(axes: Axes, fitted: Fit, along: int) -> None:
+    """Draw the sections of target and shape along x (0) or y (1) through the middle of the target."""
+    across = 1 - along
+    disk, shape = fitted.target.disk, fitted.shape
+    level = 0.5 * float(disk.vertices[:, across].min() + disk.vertices[:, across].max())
+    parts: list[tuple[Any, Any, str, float]] = [
+        (disk.vertices, disk.triangles, TARGET_COLOUR, 2.4),
+        (shape.positions, shape.triangles, INK, 1.0),
+    ]
+    for positions, triangles, colour, width in parts:
+        # a plane through rows of vertices would cut along edges
+        segments = surface_cut(positions, triangles, across, level + 1e-6)[:, :, [along, 2]]
+        axes.add_collection(LineCollection(list(segments), colors=colour, linewidths=width))
+    both = np.concatenate([disk.vertices, shape.positions])[:, [along, 2]]
+    low, high = both.min(axis=0), both.max(axis=0)
+    room = 0.05 * float((high - low).max())
+    axes.set_xlim(low[0] - room, high[0] + room)
+    axes.set_ylim(low[1] - room, high[1] + room)
+    axes.set_aspect("equal")
+    style_axes(axes, f"cut along {'xy'[along]} through the middle: target red, shape black", "mm")
+
+
+def _figure_with_needles(fitted: Fit) -> tuple[Figure, Axes]:
+    plan = fitted.shape.layout
+    assert plan is not None
+    figure, axes = print_figure(plan)
+    axes.plot(*plan.pin_points.T, "o", color=PALE, markersize=4)
+    return figure, axes
+
+
+def fit_views(fitted: Fit) -> dict[str, list[Floats]]:
+    """Images (height, width, 4) by name, all with the same cameras and scale.
+
+    - `target`, `shape`: alone, in perspective; the shape with its arms.
+    - `overlaid`: the target in orange and the sheet in blue, in perspective, from the front and from the side.
+    - `distance`: the sheet in the colours of its signed distance, red on the plastic side.
+    """
+    shape, disk = scene(fitted.shape), fitted.target.disk
+    target, sheet = bare(disk.vertices, disk.triangles, ORANGE), (fitted.shape.positions, fitted.shape.triangles)
+    things = {
+        "target": target,
+        "shape": shape,
+        "overlaid": together(bare(*sheet, FABRIC_SIDE), target),
+        "distance": bare(*sheet, _distance_colours(fitted)),
+    }
+    return aligned_views(things, np.concatenate([shape.points, target.points]))
+
+
+def _colour_limit(fitted: Fit) -> float:
+    """The distance in mm at which the colours of signed distances end."""
+    # colours end at this quantile of the distance, so that a few places at the rim do not make the rest pale
+    # mm, smallest distance at which colours end
+    return max(float(np.quantile(np.abs(fitted.distance.mean_mm), 0.98)), 0.05)
+
+
+def _distance_colours(fitted: Fit) -> Floats:
+    share = 0.5 + 0.5 * np.clip(fitted.distance.mean_mm / _colour_limit(fitted), -1.0, 1.0)
+    return np.asarray(SIGNED_DISTANCE_COLOURS(share))[:, :3]

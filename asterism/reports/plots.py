@@ -1,9 +1,15 @@
-"""Plots of an exact shape and of a verification: the bond; both shapes, their distance, profiles through the middle."""
+"""Plots of an exact shape and of a verification.
+
+Of a shape the bond, and the range of shapes that prints may have; of a verification both shapes, their distance, and
+profiles through the middle.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from io import BytesIO
+from pathlib import Path
+from typing import IO
 
 import numpy as np
 from matplotlib import colormaps
@@ -14,11 +20,14 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.tri import Triangulation
 
+from asterism.draw.fonts import write_title
 from asterism.draw.render import Camera, Scene, bare, render, scene, sheet_camera
 from asterism.draw.shading import FABRIC_SIDE
+from asterism.draw.style import INK, PALE, add_grid, style_axes
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.sheet_edges import SheetEdges
+from asterism.results.records.spread import VALUES, SpreadRecord
 from asterism.shape.comparison import Comparison
 from asterism.shape.shape import Shape
 
@@ -39,11 +48,12 @@ def comparison_views(comparison: Comparison) -> dict[str, list[Floats]]:
     - `distance`: the exact sheet in perspective; darker colours show a larger distance of the preview.
     """
     exact, preview = scene(comparison.reference), scene(comparison.other)
+    (right, triangles), (other, others) = ((s.positions, s.triangles) for s in (comparison.reference, comparison.other))
     things = {
         "exact": exact,
         "preview": preview,
-        "overlaid": together(bare(comparison.reference, FABRIC_SIDE), bare(comparison.other, ORANGE)),
-        "distance": bare(comparison.reference, colours_of(comparison)),
+        "overlaid": together(bare(right, triangles, FABRIC_SIDE), bare(other, others, ORANGE)),
+        "distance": bare(right, triangles, _colours_of(comparison)),
     }
     return aligned_views(things, np.concatenate([exact.points, preview.points]))
 
@@ -60,7 +70,7 @@ def aligned_views(things: Mapping[str, Scene], frame: Floats) -> dict[str, list[
     }
 
 
-def colours_of(comparison: Comparison) -> Floats:
+def _colours_of(comparison: Comparison) -> Floats:
     """(V, 3) colours of the distance at the vertices of the exact sheet, from zero to its maximum."""
     share = comparison.distance_mm / max(float(comparison.distance_mm.max()), 1e-12)
     return np.asarray(DISTANCE_COLOURS(share))[:, :3]
@@ -147,7 +157,7 @@ def png_of(figure: Figure) -> bytes:
 def profiles(comparison: Comparison) -> list[tuple[bytes, str]]:
     """PNG and name of two perpendicular cuts through the middle of the print, each in its own plane."""
     out = []
-    for name, way in profile_directions(comparison).items():
+    for name, way in _profile_directions(comparison).items():
         exact, preview = _in_plane(*profile_cut(comparison, way))
         width, rise = np.ptp(np.concatenate([exact, preview]), axis=0)
         size = (5.6, float(np.clip(1.0 + 4.6 * rise / width, 1.6, 4.2)))
@@ -161,7 +171,7 @@ def profiles(comparison: Comparison) -> list[tuple[bytes, str]]:
     return out
 
 
-def profile_directions(comparison: Comparison) -> dict[str, Floats]:
+def _profile_directions(comparison: Comparison) -> dict[str, Floats]:
     """Two unit directions on the print: across and along the axis of a rolled sheet, otherwise x and y."""
     axis = comparison.roll_axes_deg[0]
     a = np.radians(axis if axis is not None else 90.0)
@@ -209,3 +219,35 @@ def _plane(curve: Floats) -> Floats:
     first = chord / np.linalg.norm(chord)
     second = np.cross(normal, first)
     return np.array([first, second if second[2] >= 0.0 else -second])
+
+
+BAND_COLOUR = "#2a6f97"
+
+
+def draw_spread(record: SpreadRecord, name: str, path_or_file: str | Path | IO[bytes]) -> None:
+    """Draw the range of shapes of a design as PNG."""
+    figure = Figure(figsize=(10, 4.2), dpi=150, facecolor="white")
+    FigureCanvasAgg(figure)
+    side, bars = figure.subplots(1, 2, width_ratios=(1.5, 1.0))
+    figure.subplots_adjust(left=0.06, right=0.98, bottom=0.13, top=0.74, wspace=0.42)
+    low, median, high = (np.array(line) for line in (record.line_low_mm, record.line_median_mm, record.line_high_mm))
+    side.fill(*np.concatenate([low, high[::-1]]).T, color=BAND_COLOUR, alpha=0.2, linewidth=0)
+    for line, width in ((low, 0.6), (median, 1.6), (high, 0.6)):
+        side.plot(*line.T, color=BAND_COLOUR, linewidth=width)
+    side.set_aspect("equal", adjustable="datalim")
+    style_axes(side, "through the highest point, mm: nine of ten prints", "along the ground, mm")
+    add_grid(side)
+    for row, share in enumerate(reversed(record.shares)):
+        ends = share.heights_mm
+        bars.barh(row, np.ptp(ends), left=min(ends), height=0.6, color="#9fbdd0")
+        bars.plot(ends[1], row, "o", color=BAND_COLOUR, markersize=4)
+    bars.use_sticky_edges = False
+    bars.axvline(record.height_median_mm, color=INK, linewidth=0.8)
+    bars.set_yticks(range(len(record.shares)), [VALUES[share.value] for share in reversed(record.shares)])
+    style_axes(bars, "height by each value alone; dots: upper end", "height, mm")
+    add_grid(bars)
+    write_title(figure, 0.012, 0.92, name, 14)
+    figure.text(0.012, 0.86, record.range_in_words, fontsize=10, color=INK)
+    if record.best_measurement is not None:
+        figure.text(0.012, 0.81, f"measure {record.best_measurement}", fontsize=10, color=PALE)
+    figure.savefig(path_or_file, format="png", dpi=150)

@@ -13,8 +13,7 @@ from asterism.results.files import SUMMARY_FILE, staged_result
 from asterism.results.records.verification import VerificationRecord
 from asterism.results.words import direction, height_error, times
 from asterism.shape.vtu import write_shape_vtu
-from asterism.verification.verification import PREVIEW, RELEASE, Verification
-from asterism.verification.warnings import FLAT_HEIGHT_FACTOR
+from asterism.verification.verification import FLAT_HEIGHT_FACTOR, PREVIEW, RELEASE, Verification
 
 START_NAMES = {RELEASE: "released from the flat print", PREVIEW: "started from the preview"}
 

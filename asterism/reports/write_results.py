@@ -39,7 +39,7 @@ def write_results(shape: Shape, directory: str | Path) -> list[str]:
 
             (folder / "bond.png").write_bytes(bond_map(shape, shape.layout))
         if isinstance(shape.summary, ExactRecord) and "spread" in shape.summary:
-            from asterism.reports.spread_picture import draw_spread  # its charts take time to import
+            from asterism.reports.plots import draw_spread  # its charts take time to import
 
             draw_spread(shape.summary.spread, shape.summary["design"]["name"], folder / "spread.png")
         (folder / SUMMARY_FILE).write_text(shape.summary.json_text())

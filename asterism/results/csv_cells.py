@@ -12,9 +12,6 @@ from asterism.equilibrium.errors import Error
 from asterism.pattern.design.errors import one_line
 from asterism.pattern.design.files import read_bytes
 
-# size of the largest table
-MAX_TABLE_BYTES = 2_000_000
-
 
 class TableError(Error, ValueError):
     """A table is wrong or cannot be read; the message is one line with the file, the row and the column.
@@ -130,7 +127,8 @@ def _cells(path: Path, number: int, line: str, separator: str) -> list[str]:
 def _lines(path: Path) -> list[tuple[int, str]]:
     """Numbers and texts of the lines, without empty lines and comments."""
     try:
-        raw = read_bytes(path, MAX_TABLE_BYTES)
+        # size of the largest table
+        raw = read_bytes(path, 2_000_000)
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise TableError(path, None, None, f"cannot be read: {reason.lower()}") from None

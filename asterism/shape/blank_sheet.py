@@ -10,8 +10,6 @@ from asterism.pattern.layout.build import sheet_outline
 from asterism.pattern.mesh.sheet_mesh import sheet_mesh
 from asterism.shape.shape import Shape
 
-MAX_BLANK_TRIANGLES = 20_000
-
 
 def blank_sheet(design: Design) -> Shape:
     """The flat fabric of a design, released and free of its pins; its stars do not count.
@@ -30,7 +28,7 @@ def blank_sheet(design: Design) -> Shape:
     [40.0, 20.0, 0.0]
     """
     corners = sheet_outline(design)
-    shortest = float(np.sqrt(polygon_area(corners) / MAX_BLANK_TRIANGLES))
+    shortest = float(np.sqrt(polygon_area(corners) / 20_000))
     edge = max(design.lattice.spacing_mm, shortest)
     mesh = sheet_mesh(corners, edge, np.empty((0, 2)), [])
     count = len(mesh.points)

@@ -10,6 +10,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,15 +25,12 @@ from asterism.pattern.layout.layout import Layout, off_curves_mm
 from asterism.pattern.layout.roll_axis import roll_axis_from_normals
 from asterism.pattern.layout.supports import SupportSamples
 from asterism.pattern.layout.symmetries import Symmetry
+from asterism.results.record import keys_of
+from asterism.results.records.verification import DifferenceRecord
 from asterism.shape.cell_mean import CellMean
 from asterism.shape.measures import sample_vertices, tube_radius
 from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import border_of
-
-# at most about twice this many vertices are used to choose the nearest symmetric image
-MAX_IMAGE_SAMPLES = 500
-# the outline cuts a cell if the cell's centroid is further than this from its point, in spacings
-MAX_CENTROID_OFFSET_SPACINGS = 0.01
 
 
 @dataclass(frozen=True)
@@ -76,6 +74,21 @@ class Comparison:
         """(S,) between star centres, or between the sites of a drawing's lattice."""
         centres, off = self.layout.sample_points, 0.0 if self.layout.has_stars else self.layout.spacing_mm
         return np.asarray(np.linalg.norm(self.other.at(centres, off) - self.reference.at(centres, off), axis=1))
+
+    @cached_property
+    def record(self) -> DifferenceRecord:
+        """The numbers of the comparison: errors of the other shape relative to the reference; None if undefined."""
+        pairs = {
+            "height_error_percent": self.heights_mm,
+            "mean_height_error_percent": self.mean_heights_mm,
+            "rise_error_percent": self.rises_mm,
+            "volume_error_percent": self.volumes_mm3,
+            "roll_radius_error_percent": self.roll_radii_mm,
+        }
+        known: dict[str, Any] = {name: pair and _relative(*pair) for name, pair in pairs.items()}
+        known["mirrored"] = self.symmetry.mirrors
+        others = {name: getattr(self, name) for name in keys_of(DifferenceRecord) if name not in known}
+        return DifferenceRecord.from_json(known | others)
 
     @property
     def rms_mm(self) -> float:
@@ -261,6 +274,7 @@ def compare_shapes(
     near_mean = mean(near.at(reference.printed, off_sheet))
     free = free_motions(supports, near.at(supports.printed, off_sheet), gravity)
     rotation, shift = free.fit(near_mean, reference_mean, reference.weights)
+    # the outline cuts a cell if the cell's centroid is further than this from its point, in spacings
     return Comparison(
         reference,
         replace(near, positions=near.positions @ rotation.T + shift),
@@ -270,10 +284,14 @@ def compare_shapes(
         near_mean @ rotation.T + shift,
         free.count,
         diameter(reference.positions),
-        np.linalg.norm(mean(reference.printed) - reference.printed, axis=1)
-        < MAX_CENTROID_OFFSET_SPACINGS * layout.spacing_mm,
+        np.linalg.norm(mean(reference.printed) - reference.printed, axis=1) < 0.01 * layout.spacing_mm,
         mean,
     )
+
+
+def _relative(right: float, other: float) -> float | None:
+    """Relative error in %; None if the reference value is zero."""
+    return None if abs(right) < 1e-9 else 100.0 * (other - right) / right
 
 
 def _held(layout: Layout) -> Floats:
@@ -317,7 +335,8 @@ def _nearest(
     off_sheet_mm: float,
 ) -> Symmetry:
     """The symmetry whose image is nearest to the reference; all images have the same bumps, which need no mean."""
-    some = slice(None, None, max(len(reference.printed) // MAX_IMAGE_SAMPLES, 1))
+    # at most about twice this many vertices are used to choose the nearest symmetric image
+    some = slice(None, None, max(len(reference.printed) // 500, 1))
     printed, places = reference.printed[some], reference.positions[some]
 
     def off(symmetry: Symmetry) -> float:

@@ -11,9 +11,6 @@ from asterism.pattern.design.sizing.profiles import GradientProfile
 from asterism.pattern.layout.free_motions import count_free_tilts
 from asterism.pattern.layout.layout import Layout
 
-# size of the supports in space over their size in print, above which a warning appears
-MAX_SIZE_OVER_PRINT = 1.05
-
 
 def pin_warnings(layout: Layout, weighs: bool) -> Iterator[str]:
     """Yield one line for each warning; weight determines how a sheet hangs."""
@@ -31,7 +28,8 @@ def held_wide(layout: Layout) -> Iterator[str]:
         return
     places = np.nan_to_num(places)  # points that slide along z count with height 0
     in_print, in_space = (np.linalg.norm(points[held] - points[held].mean(axis=0)) for points in (printed, places))
-    if in_space > MAX_SIZE_OVER_PRINT * in_print > 0.0:
+    # size of the supports in space over their size in print, above which a warning appears
+    if in_space > 1.05 * in_print > 0.0:
         wide = f"{in_space / in_print:.3g} times as wide as it was printed"
         yield f"the pins hold the sheet {wide}: its fabric is stretched further than on the printer"
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -14,19 +14,36 @@ from asterism.process.version import __version__
 from asterism.shape.cell_mean import CellMean
 from asterism.shape.shape import Shape
 
+if TYPE_CHECKING:  # slow to import
+    from asterism.discrete.release.equilibrium import Equilibrium
+    from asterism.fem.search.evidence import ShellEquilibrium
 
-def shape_numbers(layout: Layout, shape: Shape, roll_axis_deg: float | None) -> dict[str, Any]:
-    """The numbers that the summaries of both models have, by their keys."""
+
+def shape_numbers(
+    layout: Layout, shape: Shape, end: Equilibrium | ShellEquilibrium, roll_axis_deg: float | None
+) -> dict[str, Any]:
+    """The numbers that the summaries of both models have, by their keys; `end` is where the search has ended."""
     above, below = needle_clearance(layout, shape) or (None, None)
     return {
+        "converged": end.converged,
+        "is_minimum": end.is_minimum,
+        "gradient_norm": end.gradient_norm,
+        "gradient_tolerance": end.tolerance,
+        "energy_n_mm": end.energy,
+        "energy_parts_n_mm": end.energies,
+        "iterations": end.iterations,
+        "factorisations": end.factorisations,
+        "saddles_left": end.saddles_left,
         "roll_axis_deg": roll_axis_deg,
-        "roll_radius_mm": None if roll_axis_deg is None else roll_radius(shape, layout),
+        "roll_radius_mm": None if roll_axis_deg is None else _roll_radius(shape, layout),
         "height_mm": shape.height_mm,
         "extent_mm": list(shape.extent_mm),
         "printed_mm": np.ptp(layout.outline, axis=0).tolist(),
         "above_needles_mm": above,
         "below_needles_mm": below,
         "contraction": contraction(layout, shape),
+        "vertices": len(shape.printed),
+        "triangles": len(shape.triangles),
         "version": __version__,
     }
 
@@ -54,11 +71,7 @@ def sample_vertices(layout: Layout, shape: Shape) -> Ints:
     return np.asarray(cKDTree(shape.printed).query(layout.sample_points)[1])
 
 
-# a cylinder counts as a fit only if its distance to the points is below this part of the distance of the best plane
-MAX_TUBE_RESIDUAL_FACTOR = 0.9
-
-
-def roll_radius(shape: Shape, layout: Layout) -> float | None:
+def _roll_radius(shape: Shape, layout: Layout) -> float | None:
     """Radius in mm of the cylinder that fits the cell means at `sample_vertices`; None as for `tube_radius`."""
     stars = sample_vertices(layout, shape)
     stars = stars if layout.has_stars else np.unique(stars)  # sites may share a vertex
@@ -104,7 +117,8 @@ def tube_radius(points: Floats, normals: Floats) -> float | None:
     # Levenberg-Marquardt; `least_squares` would take several times as long for such a small problem
     cylinder, *_ = leastsq(residuals, [0.0, 0.0, *middle[:2], radius], Dfun=slopes)
     flat = np.linalg.svd(points, compute_uv=False)[2]
-    return float(abs(cylinder[4])) if np.linalg.norm(residuals(cylinder)) < MAX_TUBE_RESIDUAL_FACTOR * flat else None
+    # a cylinder counts as a fit only if its distance to the points is below this part of the distance of the best plane
+    return float(abs(cylinder[4])) if np.linalg.norm(residuals(cylinder)) < 0.9 * flat else None
 
 
 def needle_clearance(layout: Layout, shape: Shape) -> tuple[float, float] | None:

@@ -8,11 +8,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from asterism.equilibrium.arrays import Floats, Ints
-
-# triangles that overlap by less than this part of their size only touch
-MIN_OVERLAP_FACTOR = 1e-12
-# two vertices whose printed distance is above this number of edge lengths are not neighbours
-MIN_REMOTE_EDGES = 3.0
+from asterism.shape.surface_fields import directed_edges
 
 
 def self_intersections(positions: Float[np.ndarray, "V 3"], triangles: Int[np.ndarray, "T 3"]) -> int:
@@ -42,12 +38,13 @@ def meets_itself(
     can touch. If this is false, `self_intersections` can only find folds within three edge lengths, which a smooth
     sheet does not have. The test takes a fifth of its time.
     """
-    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    edges = directed_edges(triangles)
     longest = _lengths(positions, edges).max()
     # each point of a triangle is within (longest edge) / sqrt(3) of its nearest corner
     reach = 2.0 * longest / np.sqrt(3.0)
     near = cKDTree(positions).query_pairs(reach, output_type="ndarray")
-    return bool((_lengths(printed, near) > MIN_REMOTE_EDGES * _lengths(printed, edges).max()).any())
+    # two vertices whose printed distance is above this number of edge lengths are not neighbours
+    return bool((_lengths(printed, near) > 3.0 * _lengths(printed, edges).max()).any())
 
 
 def _lengths(points: Floats, pairs: Ints) -> Floats:
@@ -90,6 +87,7 @@ def _edge_through(first: Floats, second: Floats) -> NDArray[np.bool_]:
         inside = np.ones(len(crosses), dtype=bool)
         for u, v in ((a, b), (b, c), (c, a)):
             side = (np.cross(v[crosses] - u[crosses], point - u[crosses]) * n).sum(axis=1)
-            inside &= side > MIN_OVERLAP_FACTOR * (n * n).sum(axis=1)
+            # triangles that overlap by less than this part of their size only touch
+            inside &= side > 1e-12 * (n * n).sum(axis=1)
         out[crosses[inside]] = True
     return out

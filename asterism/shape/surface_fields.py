@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from jaxtyping import Bool, Float, Int
-from scipy.sparse import coo_array
+from scipy.sparse import coo_array, csc_array, diags_array
 
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.geometry import planar
@@ -27,14 +27,24 @@ def surface_triangle_areas(
     return np.asarray(np.linalg.norm(triangle_normals(positions, triangles), axis=1) / 2)
 
 
+def directed_edges(triangles: Int[np.ndarray, "T 3"]) -> Int[np.ndarray, "_ 2"]:
+    """(3 T, 2) edges in the direction of their triangles: first edges of all triangles, second ones, third ones."""
+    return np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]).astype(np.int64)
+
+
+def border_edges(triangles: Int[np.ndarray, "T 3"]) -> Int[np.ndarray, "_ 2"]:
+    """(B, 2) edges of one triangle only, in its direction."""
+    edges = directed_edges(triangles)
+    # one number for each edge: pairs of numbers are slow to sort
+    keys = edges.min(axis=1) * (edges.max(initial=0) + 1) + edges.max(axis=1)
+    _, where, uses = np.unique(keys, return_inverse=True, return_counts=True)
+    return edges[uses[where] == 1]
+
+
 def border_of(triangles: Int[np.ndarray, "T 3"], count: int) -> Bool[np.ndarray, " {count}"]:
     """(count,) bool, vertices on the outline: those of edges that belong to one triangle only."""
-    start, end = triangles.astype(np.int64), np.roll(triangles, -1, axis=1)
-    # one number for each edge: pairs of numbers are slow to sort
-    keys, uses = np.unique(np.minimum(start, end) * count + np.maximum(start, end), return_counts=True)
-    once = keys[uses == 1]
     on_border = np.zeros(count, dtype=bool)
-    on_border[once // max(count, 1)] = on_border[once % max(count, 1)] = True
+    on_border[border_edges(triangles)] = True
     return on_border
 
 
@@ -64,10 +74,16 @@ def gaussian_curvature(
     positions: Float[np.ndarray, "V 3"], triangles: Int[np.ndarray, "T 3"]
 ) -> Float[np.ndarray, " V"]:
     """(V,) 1/mm^2, angle defect (2 pi minus the angles around a vertex) over its area; NaN on the border."""
-    cotangents, _ = _cotangents(positions, triangles)
-    angles = np.arctan2(1.0, cotangents)
-    defect = 2 * np.pi - sum_at_vertices(triangles, angles.ravel(), len(positions))
-    return _per_area(defect, positions, triangles)
+    return _per_area(2 * np.pi - angle_sums(positions, triangles), positions, triangles)
+
+
+def angle_sums(positions: Float[np.ndarray, "V 3"], triangles: Int[np.ndarray, "T 3"]) -> Float[np.ndarray, " V"]:
+    """(V,) rad, sum of the angles of the triangles around each vertex."""
+    corners = positions[triangles]
+    ahead, behind = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
+    twice_area = np.linalg.norm(triangle_normals(positions, triangles), axis=1)[:, None]
+    angles = np.arctan2(twice_area, np.einsum("tki,tki->tk", ahead, behind))
+    return sum_at_vertices(triangles, angles.ravel(), len(positions))
 
 
 def mean_curvature(positions: Float[np.ndarray, "V 3"], triangles: Int[np.ndarray, "T 3"]) -> Float[np.ndarray, " V"]:
@@ -75,14 +91,26 @@ def mean_curvature(positions: Float[np.ndarray, "V 3"], triangles: Int[np.ndarra
 
     Positive where the plastic side is convex: 1/R on a sphere whose outside is the plastic side.
     """
+    pull = laplacian(positions, triangles) @ positions
+    along_normal = np.einsum("vi,vi->v", pull, vertex_normals(positions, triangles))
+    return _per_area(along_normal / 2, positions, triangles)
+
+
+def laplacian(positions: Float[np.ndarray, "V 3"], triangles: Int[np.ndarray, "T 3"]) -> csc_array:
+    """(V, V) minus the integral of the Laplacian over the cell of each vertex; positive semidefinite.
+
+    An edge has the weight `(cot alpha + cot beta)/2` of the angles opposite to it.
+
+    References
+    ----------
+    Pinkall and Polthier, Computing discrete minimal surfaces and their conjugates, 1993.
+    """
     count = len(positions)
     cotangents, _ = _cotangents(positions, triangles)
     i, j = triangles[:, [1, 2, 0]].ravel(), triangles[:, [2, 0, 1]].ravel()
     weights = coo_array((cotangents.ravel() / 2, (i, j)), shape=(count, count)).tocsr()
     weights = weights + weights.T
-    laplacian = weights @ positions - weights.sum(axis=1)[:, None] * positions
-    along_normal = -np.einsum("vi,vi->v", laplacian, vertex_normals(positions, triangles))
-    return _per_area(along_normal / 2, positions, triangles)
+    return csc_array(diags_array(weights.sum(axis=1)) - weights)
 
 
 def deformation_gradients(

@@ -229,7 +229,7 @@ def run_animation(progress: ProgressSender, number: int, out: str, exact: bytes)
 def run_spread(progress: ProgressSender, number: int, out: str, exact: bytes) -> Written:
     """Compute the range of shapes of prints about an exact shape, pickled, and draw it as the PNG `out`."""
     from asterism.exact.spread import spread
-    from asterism.reports.spread_picture import draw_spread
+    from asterism.reports.plots import draw_spread
     from asterism.results.files import staged
     from asterism.results.records.exact import ExactRecord
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
 from asterism.discrete.release.continuation import Report, prefixed_report
 from asterism.equilibrium.errors import Error
-from asterism.exact.minima import BY_ENERGY, BY_ENERGY_ON_BRANCH, FROM_DEFAULT_START
+from asterism.exact.minima import BY_ENERGY, FROM_DEFAULT_START, several_minima
 from asterism.exact.simulation import exact_shape, shared_search
 from asterism.homogenize.law.law import Law
 from asterism.pattern.design.design import Design
@@ -18,11 +17,10 @@ from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.symmetries import symmetries
 from asterism.previews.session import preview
 from asterism.process.listeners import Say, ignore_line
-from asterism.results.records.exact import MinimumRecord
+from asterism.results.records.exact import MinimumRecord, StartsRecord
 from asterism.shape.shape import Shape
-from asterism.verification.minima import gap, right_shape, same_minimum
-from asterism.verification.verification import PREVIEW, RELEASE
-from asterism.verification.warnings import two_minima_warnings
+from asterism.verification.minima import right_shape, same_minimum
+from asterism.verification.verification import PREVIEW, RELEASE, two_minima_warnings
 
 # default number of starts of `simulate`
 BOTH_STARTS = 2
@@ -109,31 +107,27 @@ def lower_minimum(design: Design, plan: Layout, released: Shape, near: Shape) ->
     other = PREVIEW if first == RELEASE else RELEASE
     result, second = exact[first].summary, exact[other].summary
     lost = [name for name, shape in exact.items() if not shape.summary["is_minimum"]]
-    numbers: dict[str, Any] = {"starts": BOTH_STARTS, "starts_lost": len(lost)}
     if agree or lost:
         starts = [name for name in exact if name not in lost] or [first]
-        numbers |= {
-            "minima_seen": 1,
-            "minima": [_entry(result, starts, 0.0)],
-            "next_minimum_percent": None,
-            "result_is": BY_ENERGY if starts == [PREVIEW] else FROM_DEFAULT_START,
-        }
-        return replace(exact[first], summary=result | numbers)
-    apart, higher = between.rms_percent, second["energy_n_mm"] - result["energy_n_mm"]
-    numbers |= {
-        "result_is": BY_ENERGY if higher >= 0.0 else BY_ENERGY_ON_BRANCH,
-        "minima_seen": 2,
-        "minima_not_carried": 0,
-        "next_minimum_percent": math.copysign(100.0 * gap(result, second), higher),
-        "next_minimum_n_mm": higher,
-        "minima": [
-            _entry(result, [first], 0.0).changed(file="shape"),
-            _entry(second, [other], apart).changed(file="minimum-2"),
-        ],
-        "minima_distance_percent": [[0.0, apart], [apart, 0.0]],
-        "warnings": [*result["warnings"], *two_minima_warnings(exact, first, apart)],
-    }
-    return replace(exact[first], summary=result | numbers, others=(exact[other],))
+        found = StartsRecord(
+            starts=BOTH_STARTS,
+            starts_lost=len(lost),
+            result_is=BY_ENERGY if starts == [PREVIEW] else FROM_DEFAULT_START,
+            minima_seen=1,
+            minima=[_entry(result, starts, 0.0)],
+            next_minimum_percent=None,
+        )
+        return replace(exact[first], summary=result | vars(found))
+    apart = between.rms_percent
+    found = several_minima(
+        [_entry(result, [first], 0.0), _entry(second, [other], apart)],
+        [[0.0, apart], [apart, 0.0]],
+        result.get("gravity", 0.0),
+        starts=BOTH_STARTS,
+        starts_lost=0,
+    )
+    warnings = [*result["warnings"], *two_minima_warnings(exact, first, apart)]
+    return replace(exact[first], summary=result | vars(found) | {"warnings": warnings}, others=(exact[other],))
 
 
 def _entry(summary: Mapping[str, Any], starts: list[str], distance_percent: float) -> MinimumRecord:

@@ -1,4 +1,4 @@
-"""The exact shapes of a design: which one is the result, and whether two are one minimum."""
+"""The shapes of a design: which exact one is the result, whether two are one minimum, and whether of one form."""
 
 from __future__ import annotations
 
@@ -15,8 +15,6 @@ from asterism.shape.cell_mean import CellMean
 from asterism.shape.comparison import Comparison, compare_shapes
 from asterism.shape.shape import Shape
 
-# two minima are equal if their energies differ by at most this part
-MAX_EQUAL_ENERGY_GAP = 1e-6
 # another mesh may exchange the order of two minima whose energies differ by at most this part of the elastic energy
 MIN_CERTAIN_GAP = 0.005
 
@@ -29,7 +27,8 @@ def same_energy(one: float, other: float) -> bool:
     >>> same_energy(1808.98, 1808.9801), same_energy(1808.98, 1809.98)
     (True, False)
     """
-    return abs(one - other) <= MAX_EQUAL_ENERGY_GAP * abs(one)
+    # two minima are equal if their energies differ by at most this part
+    return abs(one - other) <= 1e-6 * abs(one)
 
 
 def gap(one: Mapping[str, Any], other: Mapping[str, Any]) -> float:
@@ -82,3 +81,38 @@ def _same_stars_down(first: Shape, second: Shape, plan: Layout, symmetries: Sequ
     """Whether two shapes have the same inverted stars, up to a symmetry; the cell means do not show these."""
     down = [np.isin(plan.star_number, shape.summary["stars_down"]) for shape in (first, second)]
     return any(np.array_equal(down[0], down[1][symmetry.star]) for symmetry in symmetries)
+
+
+# two shapes have different forms if one of these limits is exceeded: the rms distance, in % of the diameter
+MAX_LIKE_DISTANCE_PERCENT = 10.0
+# the angle between their roll axes
+MAX_LIKE_AXIS_DEG = 20.0
+# the rms angle between their normals. In 236 previews it is below 22 deg, or the form is another one
+MAX_LIKE_NORMALS_DEG = 30.0
+# two exact minima have the same form if their rms distance, in % of the diameter, is below this
+MAX_FORM_DISTANCE_PERCENT = 2.5
+
+
+def alike(comparison: Comparison) -> bool:
+    """Whether two shapes have the same form: small distance, similar normals, and the same roll axis if rolled.
+
+    The normals distinguish a pleated sheet from a smooth one, which may be near to it.
+    """
+    one, other = comparison.roll_axes_deg
+    if (one is None) != (other is None) or comparison.rms_percent > MAX_LIKE_DISTANCE_PERCENT:
+        return False
+    if comparison.normals_rms_deg > MAX_LIKE_NORMALS_DEG:
+        return False
+    if one is None or other is None:
+        return True
+    apart = abs(one - other) % 180.0
+    return min(apart, 180.0 - apart) < MAX_LIKE_AXIS_DEG
+
+
+def same_branch(comparison: Comparison, with_other: Comparison | None, apart_percent: float = 0.0) -> bool:
+    """Whether a shape has the form of the exact result, and not that of another exact minimum.
+
+    The minima are `apart_percent` of the diameter apart; without a second one, `with_other` is None.
+    """
+    nearer = with_other is None or comparison.rms_percent <= with_other.rms_percent
+    return bool((nearer or apart_percent < MAX_FORM_DISTANCE_PERCENT) and alike(comparison))

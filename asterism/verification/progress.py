@@ -12,8 +12,6 @@ StageReport = Callable[[str, int, int], None]
 WHOLE = 100
 # share of the release on the coarsest mesh in the computing time of an exact shape; the finer meshes take the rest
 RELEASE_SHARE = 0.5
-# share of the finer meshes that are left after each mesh; how many there will be is not known
-MESH_REST = 0.6
 
 
 class ExactProgress:
@@ -38,7 +36,8 @@ class ExactProgress:
             share = RELEASE_SHARE * int(percent[1]) / 100.0
         else:  # each mesh takes a part of what the meshes before have left
             self._meshes.add(mesh[1] if mesh else "")
-            share = RELEASE_SHARE + (1.0 - RELEASE_SHARE) * (1.0 - MESH_REST ** len(self._meshes))
+            # share of the finer meshes that are left after each mesh; how many there will be is not known
+            share = RELEASE_SHARE + (1.0 - RELEASE_SHARE) * (1.0 - 0.6 ** len(self._meshes))
         # an unfinished stage stays below 100 %, and a repeated stage does not decrease the count
         self._done = max(self._done, min(int(WHOLE * share), WHOLE - 1))
         self._tell(self._stage, self._done, WHOLE)

@@ -24,11 +24,9 @@ from asterism.results.records.exact import ExactRecord
 from asterism.results.records.verification import VerificationRecord, VerifiedStartRecord
 from asterism.shape.comparison import Comparison, compare_shapes
 from asterism.shape.shape import Shape
-from asterism.verification.minima import same_minimum
-from asterism.verification.numbers import numbers, same_branch
+from asterism.verification.minima import same_branch, same_minimum
 from asterism.verification.progress import ExactProgress, StageReport
-from asterism.verification.verification import PREVIEW, RELEASE, Verification
-from asterism.verification.warnings import verification_warnings
+from asterism.verification.verification import PREVIEW, RELEASE, Verification, verification_warnings
 
 STAGES = ("preview", "exact model from the flat print", "exact model from the preview", "comparison")
 COPIED_KEYS = ("energy_n_mm", "is_minimum", "stars_up", "iterations", "factorisations", "joined_at_vertices")
@@ -107,7 +105,7 @@ def verify(
     agree, between = same_minimum(released, near, plan, same, pull, by_release.mean)
     seconds = {"preview_s": preview_s, "exact_s": exact_s, "exact_from_preview_s": near_s}
     step(STAGES[3], 1, 1)
-    return replace(verification, summary=_summary(verification, between, agree, seconds) | {"command": command})
+    return replace(verification, summary=_summary(verification, between, agree, seconds, command))
 
 
 def _timed(
@@ -124,40 +122,39 @@ def _summary(
     verification: Verification,
     between: Comparison,
     agree: bool,
-    seconds: dict[str, float],
+    seconds: dict[str, Any],
+    command: str | None,
 ) -> VerificationRecord:
     result, other = verification.result, next(name for name in verification.exact if name != verification.result)
     exact = ExactRecord.from_json(verification.exact[result].summary)
     # a start that ends without a minimum has no form to compare with
     with_other = verification.comparisons[other] if verification.exact[other].summary["is_minimum"] else None
     form = same_branch(verification.comparison, with_other, between.rms_percent) if exact.is_minimum else None
-    return VerificationRecord.from_json(
-        {
-            "model": VERIFICATION_MODEL,
-            **numbers(verification.comparison),
-            "same_branch": form,
-            "speedup": seconds["exact_s"] / seconds["preview_s"],
-            **seconds,
-            "mesh_error_percent": exact.mesh_error_percent,
-            "mesh_change_percent": exact.get("mesh_change_percent"),
-            "expected_rms_percent": verification.preview.summary.get("expected_rms_percent"),
-            "expected_height_percent": verification.preview.summary.get("expected_height_percent"),
-            "result_from": result,
-            "starts_agree": agree,
-            "starts_distance_percent": between.rms_percent,
-            "starts": {
-                name: VerifiedStartRecord.from_json(
-                    {
-                        **numbers(verification.comparisons[name]),
-                        **{key: shape.summary[key] for key in COPIED_KEYS if key in shape.summary},
-                    }
-                )
-                for name, shape in verification.exact.items()
-            },
-            "warnings": verification_warnings(verification, between.rms_percent),
-            "version": __version__,
-            "preview": verification.preview.summary,
-            "exact": exact,
-            "design": verification.design.to_dict(),
-        }
+    preview = verification.preview.summary
+    return VerificationRecord(
+        model=VERIFICATION_MODEL,
+        **vars(verification.comparison.record),
+        same_branch=form,
+        speedup=seconds["exact_s"] / seconds["preview_s"],
+        **seconds,
+        mesh_error_percent=exact.mesh_error_percent,
+        mesh_change_percent=exact.get("mesh_change_percent"),
+        expected_rms_percent=preview.get("expected_rms_percent"),
+        expected_height_percent=preview.get("expected_height_percent"),
+        result_from=result,
+        starts_agree=agree,
+        starts_distance_percent=between.rms_percent,
+        starts={
+            name: VerifiedStartRecord(
+                **vars(verification.comparisons[name].record),
+                **{key: shape.summary[key] for key in COPIED_KEYS if key in shape.summary},
+            )
+            for name, shape in verification.exact.items()
+        },
+        warnings=verification_warnings(verification, between.rms_percent),
+        version=__version__,
+        preview=preview,
+        exact=exact,
+        design=verification.design.to_dict(),
+        command=command,
     )

@@ -1,14 +1,18 @@
-"""The result of a verification: the shapes of both models and their comparison."""
+"""The result of a verification: the shapes of both models, their comparison, and reasons to read it with care."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
+from asterism.exact.warnings import off_branch
 from asterism.pattern.design.design import Design
+from asterism.results.records.exact import ExactRecord
 from asterism.results.records.verification import VerificationRecord
+from asterism.results.words import small_percent, star_numbers
 from asterism.shape.comparison import Comparison
 from asterism.shape.shape import Shape
-from asterism.verification.minima import right_shape
+from asterism.verification.minima import MAX_FORM_DISTANCE_PERCENT, MIN_CERTAIN_GAP, gap, right_shape
 
 RELEASE = "release"  # name of the exact shape that is released from the flat print
 PREVIEW = "preview"  # name of the exact shape that is started from the preview
@@ -42,3 +46,77 @@ class Verification:
     def comparison(self) -> Comparison:
         """The preview laid on the exact shape that counts."""
         return self.comparisons[self.result]
+
+
+# largest ratio of an error and its estimate by the preview without a warning
+MAX_ERROR_RATIO = 2.0
+# heights that differ by less than this part of the diameter count as equal: both sheets are nearly flat
+FLAT_HEIGHT_FACTOR = 1e-3
+
+
+def verification_warnings(verification: Verification, apart_percent: float) -> list[str]:
+    """The warnings of preview, exact shape and comparison; `apart_percent` of the diameter is between both starts."""
+    preview, exact = verification.preview.summary, verification.exact[verification.result].summary
+    assert isinstance(exact, ExactRecord)
+    lines = [*map(str, preview.get("warnings", []))]
+    lines += _exact_shape(exact, lines)
+    if not exact.is_minimum:  # without an exact minimum, the comparison has no meaning
+        return lines
+    return [
+        *lines,
+        *two_minima_warnings(verification.exact, verification.result, apart_percent),
+        *_far(verification.comparison, preview.get("expected_rms_percent")),
+        *_high(verification.comparison, preview.get("expected_height_percent")),
+        *_mesh_error(exact, verification.comparison.rms_percent),
+    ]
+
+
+def _exact_shape(exact: ExactRecord, known: Sequence[str]) -> Iterator[str]:
+    """The warnings of the exact shape that the preview's warnings do not contain, and the stars that bump down."""
+    down, off = exact.stars_down, exact.stars_off_branch
+    if down:
+        yield f"{len(down)} of {exact.stars_total} stars of the exact shape bump down: {star_numbers(down)}"
+    # stars that are off because they are down have been named
+    named = set() if set(off) - set(down) else {*off_branch(exact)}
+    yield from (f"the exact model: {line}" for line in exact.get("warnings", []) if line not in {*known, *named})
+
+
+def two_minima_warnings(exact: Mapping[str, Shape], result: str, apart_percent: float) -> Iterator[str]:
+    """Two exact minima, `apart_percent` of the diameter apart, whose energies are so close that either may be lower."""
+    for other in (shape.summary for name, shape in exact.items() if name != result):
+        more = gap(exact[result].summary, other)
+        if other["is_minimum"] and apart_percent > MAX_FORM_DISTANCE_PERCENT and more <= MIN_CERTAIN_GAP:
+            yield (
+                f"the exact model has two minima, {apart_percent:.1f} % of the diameter apart, whose energies "
+                f"differ by {small_percent(100.0 * more)}: a print may rest in either"
+            )
+
+
+def _far(comparison: Comparison, expected: float | None) -> Iterator[str]:
+    """A distance far above the estimated error of the preview."""
+    distance = comparison.rms_percent
+    if expected is not None and distance > MAX_ERROR_RATIO * expected:
+        estimate = f"the estimated error of the preview ({expected:.1f} %)"
+        yield f"the distance ({distance:.1f} %) is more than twice {estimate}"
+
+
+def _high(comparison: Comparison, expected: float | None) -> Iterator[str]:
+    """Heights that differ by far more than the estimated error of the preview."""
+    exact, preview = comparison.heights_mm
+    # largest difference of the heights, in % of the exact height, without a warning if the preview has no estimate
+    limit = 10.0 if expected is None else MAX_ERROR_RATIO * expected
+    off = 100.0 * abs(preview - exact)
+    if off > 100.0 * FLAT_HEIGHT_FACTOR * comparison.diameter_mm and off > limit * exact:
+        heights = f"the preview is {preview:.1f} mm high, the exact shape {exact:.1f} mm"
+        estimate = "" if expected is None else f", more than twice its estimated error ({expected:.1f} %)"
+        yield f"{heights}: {off / exact:.0f} % off{estimate}" if exact else heights
+
+
+def _mesh_error(exact: ExactRecord, distance: float) -> Iterator[str]:
+    """An exact shape that does not state its mesh error, and changes from mesh to mesh by more than the distance."""
+    error, change = exact.mesh_error_percent, exact.get("mesh_change_percent")
+    if error is None and change is not None and change > distance:
+        yield (
+            f"the mesh error of the exact model is unknown: its shape is {change:.1f} % away from that on the next "
+            f"coarser mesh, more than the distance ({distance:.1f} %)"
+        )

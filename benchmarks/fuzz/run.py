@@ -181,7 +181,7 @@ def failures(case: Case, status: int, errors: str, folder: Path, before: set[str
 
 def _of_file(path: Path) -> Iterator[str]:
     """A result with a number that is none, or a shape that no fabric can take."""
-    from asterism.shape.read_shape import read_shape
+    from asterism.shape.vtu import read_shape
 
     def not_a_number(word: str) -> Any:
         raise ValueError(word)

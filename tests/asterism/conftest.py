@@ -45,4 +45,4 @@ def blank_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
         Image.new("RGB", (8, 8)).save(path, format="png")
 
     monkeypatch.setattr("asterism.reports.write_results.draw_shape", blank)
-    monkeypatch.setattr("asterism.reports.design_page._picture", lambda figure, shape: None)
+    monkeypatch.setattr("asterism.reports.design_report._picture", lambda figure, shape: None)

@@ -23,8 +23,8 @@ from asterism.results.records.comparison import (
     OutlineDistancesRecord,
     ScanComparisonRecord,
 )
-from asterism.shape.read_shape import folder_of, read_shape
 from asterism.shape.shape import Shape
+from asterism.shape.vtu import folder_of, read_shape
 
 
 @dataclass(frozen=True)

@@ -43,7 +43,7 @@ def draw_scan(comparison: ScanComparison, title: str, path_or_file: str | Path |
     low, high = positions.min(axis=0), positions.max(axis=0)
     distance = comparison.vertex_distance
     colours = np.where(np.isnan(distance)[:, None], (0.86, 0.86, 0.88), scale.to_rgba(distance)[:, :3])
-    sheet = bare(comparison.shape, colours)
+    sheet = bare(comparison.shape.positions, comparison.shape.triangles, colours)
     view = sheet_camera("oblique", positions)
     room = np.array([0.46 * _WIDTH_IN, 0.68 * _HEIGHT_IN]) * _DPI
     image = render(sheet, view, float((room / drawn_size(sheet, view)).min()))

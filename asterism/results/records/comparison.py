@@ -10,14 +10,6 @@ from asterism.results.record import Record, key
 POOR_FIT_PERCENT = 1.5
 # a fit beyond this part of the diameter is none: prints differ from computed shapes by a few percent
 NO_FIT_PERCENT = 6.0
-# if more of the points are left out, they may belong to the sheet
-MANY_LEFT_OUT_PERCENT = 3.0
-# a scan has another size than the shape if its best size differs by more than this part, ...
-OTHER_SIZE_PART = 0.01
-# ... if it is nearer than this at its best size, ...
-OTHER_SIZE_FIT_PERCENT = 1.0
-# ... and if that is so many times nearer than on a surface parallel to the shape's
-OTHER_SIZE_GAIN = 2.0
 
 
 def _rms(record: ScanDistancesRecord | OutlineDistancesRecord) -> str:
@@ -41,17 +33,20 @@ def _poor_outline(record: OutlineDistancesRecord) -> str | None:
 def _another_shape(record: ScanDistancesRecord) -> str | None:
     """A fit that is poor only with the points that are left out, such as that of a mirror image."""
     whole = 100.0 * record.rms_of_all_points_mm / record.diameter_mm
-    if _is_poor(record) or record.points_left_out_percent <= MANY_LEFT_OUT_PERCENT or whole <= POOR_FIT_PERCENT:
+    # if more of the points are left out, they may belong to the sheet
+    if _is_poor(record) or record.points_left_out_percent <= 3.0 or whole <= POOR_FIT_PERCENT:
         return None
     return f"{whole:.1f} % with the points left out: are these a table or clamps, or the sheet?"
 
 
 def _another_size(record: ScanDistancesRecord) -> str | None:
     ratio, left, lifted = record.best_size, record.rms_percent_at_best_size, record.rms_percent_lifted
-    if ratio is None or left is None or lifted is None or abs(ratio - 1.0) <= OTHER_SIZE_PART:
+    # a scan has another size than the shape if its best size differs by more than this part, ...
+    if ratio is None or left is None or lifted is None or abs(ratio - 1.0) <= 0.01:
         return None
     # a scan shows one side of the sheet, which on a roll looks like another size
-    if left > min(OTHER_SIZE_FIT_PERCENT, lifted / OTHER_SIZE_GAIN):
+    # ... if it is nearer than 1 % at its best size, and twice as near as on a surface parallel to the shape's
+    if left > min(1.0, lifted / 2.0):
         return None
     return f"{ratio:.3f} times the shape's; scaled to the shape's size it is {left:.2f} % off"
 

@@ -8,9 +8,6 @@ from asterism.results.record import ABSENT, Record, key
 from asterism.results.records.shape import ENERGY_ROW, HEIGHT_ROW, SIZE_ROWS, STABLE_ROW, WORK_ROW, ShapeRecord
 from asterism.results.records.spread import SpreadRecord
 
-MAX_NAMED_STARTS = 2  # more starts that end in one minimum are counted in its row of the table
-NO_MESH_ERROR = "not known, one mesh was solved"
-
 
 class ContactRecord(Record):
     """Contact of the sheet with itself."""
@@ -67,9 +64,65 @@ class MinimumRecord(Record):
         axis = "" if self.roll_axis_deg is None else f", rolled about {self.roll_axis_deg:.0f} deg"
         away = f"{self.distance_percent:.1f} % away, " if self.distance_percent >= 0.05 else ""
         names = self.get("start_names", [])
-        starts = f"from {' and '.join(names)}" if 0 < len(names) <= MAX_NAMED_STARTS else f"{self.starts} starts"
+        # more starts that end in one minimum are counted in its row of the table
+        starts = f"from {' and '.join(names)}" if 0 < len(names) <= 2 else f"{self.starts} starts"
         up = f", {self.stars_up} up" if with_stars else ""
         return f"{self.energy_n_mm:.4f} N mm{up}{axis}; {away}{starts}"
+
+
+class StartsRecord(Record):
+    """The minima to which the starts of the exact model lead."""
+
+    starts: int = key("Starts that were tried.")
+    starts_lost: int = key("Starts that ended in no minimum.", default=ABSENT)
+    result_is: str = key("Which of the minima is the result, and why.")
+    minima_seen: int = key("Distinct minima that were reached on any mesh.")
+    minima_not_carried: int = key("Minima among them that only the coarse mesh has seen.", default=ABSENT)
+    next_minimum_percent: float | None = key(
+        "How much higher the next minimum is, in percent of the energy without that of the weight; negative if a "
+        "minimum with stars off their branch is lower; null if there is no other minimum."
+    )
+    next_minimum_n_mm: float | None = key("The same as an energy.", default=ABSENT)
+    symmetries: int = key("Symmetries of the design, the identity included.", default=ABSENT)
+    minima: list[MinimumRecord] = key("The minima on the fine mesh. The first one is the result.")
+    minima_distance_percent: list[list[float]] = key("Distances of all minima on the fine mesh.", default=ABSENT)
+    minima_coarse: list[MinimumRecord] = key("Minima on the coarse mesh, whose energies are others.", default=ABSENT)
+
+
+class BondRecord(Record):
+    """The largest forces between fabric and plastic."""
+
+    peel_n_per_mm: float | None = key(
+        "Largest force that pulls the fabric off an arm or drawn rod, for each mm of it and at a right angle to it, as "
+        "a mean over two widths; 0 if the fabric presses on all plastic. Null without `fabric.modulus_mpa`, whose "
+        "default only sets the scale of a ratio, and without plastic."
+    )
+    peel_star: int | None = key("Number of the star with that force; null for drawn rods.")
+    peel_at_mm: list[float] | None = key("Printed place of that force.")
+    shear_n_per_mm: float | None = key("The same in the plane of the bond, largest at the tips of arms.")
+
+
+class PatternRecord(Record):
+    """The plastic of an exact shape, and the sides of its stars."""
+
+    stars_total: int = key("Stars of the design.")
+    rods_total: int = key("Rods between nodes: of stars one an arm.", default=ABSENT)
+    joints_total: int = key("Corners, branches and crossings of the rods, and ends that meet.", default=ABSENT)
+    stars_up: int = key("Stars that bump to the plastic side.")
+    stars_down: list[int] = key("Numbers of the stars that bump to the other side.")
+    stars_off_branch: list[int] = key("Numbers of the stars that are not on the side to which the design sends them.")
+
+
+class MeshErrorRecord(Record):
+    """What the sequence of meshes shows about the error of an exact shape."""
+
+    mesh_error_percent: float | None = key(
+        "Estimated rms distance to the shape on an infinitely fine mesh, in percent of the diameter; null with one "
+        "mesh, with two meshes of different forms, and for the paper's hinges, whose stiffness follows the mesh."
+    )
+    mesh_change_percent: float | None = key("Rms distance to the shape on the next coarser mesh; null with one mesh.")
+    mesh_forms_differ: bool = key("The shapes on the last two meshes have different forms.")
+    mesh_tolerance_percent: float | None = key("Mesh error at which the search ends; null if the design gives an edge.")
 
 
 def mesh_error_in_words(record: ExactRecord) -> str:
@@ -78,7 +131,7 @@ def mesh_error_in_words(record: ExactRecord) -> str:
     if percent is not None:
         return f"about {percent:.1f} % of the diameter"
     if change is None:
-        return NO_MESH_ERROR
+        return "not known, one mesh was solved"
     apart = f"{change:.1f} % of the diameter from the next coarser mesh"
     if record.get("mesh_forms_differ"):
         return f"not known, the last two meshes have different forms; {apart}"
@@ -115,7 +168,7 @@ def _minima(record: ExactRecord) -> dict[str, str] | None:
     return {f"minimum {number}": each.in_words(with_stars) for number, each in enumerate(record.minima, 1)}
 
 
-class ExactRecord(ShapeRecord):
+class ExactRecord(StartsRecord, MeshErrorRecord, BondRecord, PatternRecord, ShapeRecord):
     """The summary of an exact shape.
 
     Besides the declared keys, the parts of `energy_parts_n_mm` are keys of their own, such as `membrane`.
@@ -142,20 +195,6 @@ class ExactRecord(ShapeRecord):
 
     smallest_eigenvalue: float = key("Smallest eigenvalue of the Hessian in mm and rad, without rigid motions, N/mm.")
     eigenvalue_error: float = key("Norm of the residual of that eigenvalue: a bound of its error.")
-    stars_total: int = key("Stars of the design.")
-    rods_total: int = key("Rods between nodes: of stars one an arm.", default=ABSENT)
-    joints_total: int = key("Corners, branches and crossings of the rods, and ends that meet.", default=ABSENT)
-    stars_up: int = key("Stars that bump to the plastic side.")
-    stars_down: list[int] = key("Numbers of the stars that bump to the other side.")
-    stars_off_branch: list[int] = key("Numbers of the stars that are not on the side to which the design sends them.")
-    peel_n_per_mm: float | None = key(
-        "Largest force that pulls the fabric off an arm or drawn rod, for each mm of it and at a right angle to it, as "
-        "a mean over two widths; 0 if the fabric presses on all plastic. Null without `fabric.modulus_mpa`, whose "
-        "default only sets the scale of a ratio, and without plastic."
-    )
-    peel_star: int | None = key("Number of the star with that force; null for drawn rods.")
-    peel_at_mm: list[float] | None = key("Printed place of that force.")
-    shear_n_per_mm: float | None = key("The same in the plane of the bond, largest at the tips of arms.")
     edge_mm: float = key("Edge length of the mesh.")
     self_contact: ContactRecord | None = key(
         "Contact of the sheet with itself; null if parts may pass through another."
@@ -164,32 +203,11 @@ class ExactRecord(ShapeRecord):
     fabric_bending_n_mm: float = key("Energy of the fabric's bending.")
     instabilities_passed: int = key("Times that the path to the shape lost its stability.")
     backend: str = key("Linear solver.")
-    mesh_error_percent: float | None = key(
-        "Estimated rms distance to the shape on an infinitely fine mesh, in percent of the diameter; null with one "
-        "mesh, with two meshes of different forms, and for the paper's hinges, whose stiffness follows the mesh."
-    )
-    mesh_change_percent: float | None = key("Rms distance to the shape on the next coarser mesh; null with one mesh.")
-    mesh_forms_differ: bool = key("The shapes on the last two meshes have different forms.")
-    mesh_tolerance_percent: float | None = key("Mesh error at which the search ends; null if the design gives an edge.")
     levels: list[LevelRecord] = key("Cost of each mesh, the coarsest first.")
     joined_at_vertices: int = key(
         "Vertices of the coarse mesh on which this search reached the state of that from the flat print. It ended "
         "there: on finer meshes both are one, and those of `levels` and `path` cost it nothing.",
         default=ABSENT,
     )
-    starts: int = key("Starts that were tried.")
-    starts_lost: int = key("Starts that ended in no minimum.", default=ABSENT)
-    result_is: str = key("Which of the minima is the result, and why.")
-    minima_seen: int = key("Distinct minima that were reached on any mesh.")
-    minima_not_carried: int = key("Minima among them that only the coarse mesh has seen.", default=ABSENT)
-    next_minimum_percent: float | None = key(
-        "How much higher the next minimum is, in percent of the energy without that of the weight; negative if a "
-        "minimum with stars off their branch is lower; null if there is no other minimum."
-    )
-    next_minimum_n_mm: float | None = key("The same as an energy.", default=ABSENT)
-    symmetries: int = key("Symmetries of the design, the identity included.", default=ABSENT)
-    minima: list[MinimumRecord] = key("The minima on the fine mesh. The first one is the result.")
-    minima_distance_percent: list[list[float]] = key("Distances of all minima on the fine mesh.", default=ABSENT)
-    minima_coarse: list[MinimumRecord] = key("Minima on the coarse mesh, whose energies are others.", default=ABSENT)
     path: list[PathStepRecord] = key("The way to the shape, step by step.")
     spread: SpreadRecord = key("The range of shapes that prints may have, if it was computed.", default=ABSENT)

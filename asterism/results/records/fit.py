@@ -43,7 +43,33 @@ class TargetDistanceRecord(Record):
     is_minimum: bool = key("The shape is certified as a minimum of the energy.")
 
 
-class FitRecord(Record):
+class ReachRecord(Record):
+    """What a target needs, and what stars can do."""
+
+    needed_ratio: float = key("Largest contraction that the target needs over the smallest one.")
+    available_ratio: float = key("The same ratio of the stars that the law covers.")
+    largest_curvature_per_mm: float = key("Largest principal curvature of the target over a cell.")
+    available_curvature_per_mm: float = key("Largest curvature that stars can follow.")
+    wrong_side_share: float = key("Share of the stars whose place curves to the other side than stars can.")
+    warnings: list[str] = key("What limits the fit, one line each.")
+
+
+class StagesRecord(Record):
+    """Distances to the target at the stages of a fit."""
+
+    first_guess: TargetDistanceRecord = key("Preview of the first guess, from the flattening and the law alone.")
+    unrounded: TargetDistanceRecord | None = key("Preview before corrections and rounding; null without rounding.")
+    preview: TargetDistanceRecord = key("Preview of the design as written; after corrections with the preview's error.")
+    exact: TargetDistanceRecord | None = key("Exact shape of the design as written; null if it was not computed.")
+    other_exact: TargetDistanceRecord | None = key("Exact shape of the other start, if it is another minimum.")
+    exact_agrees: bool | None = key("Both exact starts find one minimum; null if this was not computed.")
+    rounding_loss_percent: float | None = key(
+        "Increase of the distance by rounding: of the exact shape if there are corrections, else of the preview; null "
+        "without rounding."
+    )
+
+
+class FitRecord(StagesRecord, ReachRecord):
     """The summary of a fit."""
 
     last = ("warnings", "version", "design")
@@ -67,32 +93,16 @@ class FitRecord(Record):
     stars: int = key("Number of stars.")
     needles: int = key("Number of needles; 0 for a free sheet or a held border.")
     held_border: bool = key("The whole border is held along that of the target.")
-    needed_ratio: float = key("Largest contraction that the target needs over the smallest one.")
-    available_ratio: float = key("The same ratio of the stars that the law covers.")
-    largest_curvature_per_mm: float = key("Largest principal curvature of the target over a cell.")
-    available_curvature_per_mm: float = key("Largest curvature that stars can follow.")
-    wrong_side_share: float = key("Share of the stars whose place curves to the other side than stars can.")
     share_at_bounds: float = key("Share of the stars with the shortest or the longest arms that the law covers.")
-    first_guess: TargetDistanceRecord = key("Preview of the first guess, from the flattening and the law alone.")
-    unrounded: TargetDistanceRecord | None = key("Preview before corrections and rounding; null without rounding.")
-    preview: TargetDistanceRecord = key("Preview of the design as written; after corrections with the preview's error.")
-    exact: TargetDistanceRecord | None = key("Exact shape of the design as written; null if it was not computed.")
-    other_exact: TargetDistanceRecord | None = key("Exact shape of the other start, if it is another minimum.")
-    exact_agrees: bool | None = key("Both exact starts find one minimum; null if this was not computed.")
     interrupted: bool = key("The fit was interrupted: the design is the best one until then, by the preview.")
     reached: bool = key("The distance is within the limit that was asked for.")
     within_percent: float = key("That limit, for `mean_percent` of the exact shape, or of the preview.")
-    rounding_loss_percent: float | None = key(
-        "Increase of the distance by rounding: of the exact shape if there are corrections, else of the preview; null "
-        "without rounding."
-    )
     steps: list[dict[str, Any]] = key("Steps of the fit: `kind`, and the preview's weighted `rms_percent` after it.")
     corrections: list[dict[str, Any]] = key(
         "Exact shapes on the way: `mean_percent`, `step_mm`, the largest change of a length since the one kept "
         "before, and whether it was `kept`. Those of rounded thicknesses come last."
     )
     restarts: int = key("How often a fresh preview took another form than the followed one.")
-    warnings: list[str] = key("What limits the fit, one line each.")
     version: str = key("Version of asterism.")
     design: dict[str, Any] = key("The design as written.")
 

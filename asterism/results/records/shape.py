@@ -49,10 +49,8 @@ WORK_ROW: dict[str, tuple[str, Show]] = {
 }
 
 
-class ShapeRecord(Record):
-    """The summary of a shape, whichever model computed it."""
-
-    last = ("warnings", "version", "design")
+class CertificateRecord(Record):
+    """Where the search for a shape has ended, and the evidence whether it is a minimum."""
 
     model: str = key("Which model computed the shape: `exact` or `preview`.")
     converged: bool = key("The norm of the gradient is below its tolerance.")
@@ -61,20 +59,19 @@ class ShapeRecord(Record):
     gradient_tolerance: float = key("Largest norm of the gradient that counts as converged, in N.")
     energy_n_mm: float = key("Energy of the shape, in a preview of the homogenised sheet.")
     energy_parts_n_mm: dict[str, float] = key("The parts of the energy by name. Their sum is the energy.")
+    iterations: int = key("Newton iterations in all.")
+    factorisations: int = key("Factorisations of the Hessian in all.")
+    saddles_left: int = key("Saddle points at which the search left along a direction of negative curvature.")
+
+
+class MeasuresRecord(Record):
+    """What is measured of a shape."""
+
     roll_axis_deg: float | None = key("Axis of the roll on the print, from the x axis; null if not rolled.")
     roll_radius_mm: float | None = key(
         "Radius of the circular cylinder nearest to the mean surface at the star centres, or at sites of drawn rods; "
         "null if the sheet is not rolled, or if a plane is nearly as close."
     )
-    vertices: int = key("Vertices of the mesh that the files hold.")
-    triangles: int = key("Triangles of that mesh.")
-    mesh: str = key("Kind of that mesh: `aligned` with the arms, or `free`.")
-    dofs: int = key("Unknowns of the model that are not held.")
-    iterations: int = key("Newton iterations in all.")
-    factorisations: int = key("Factorisations of the Hessian in all.")
-    saddles_left: int = key("Saddle points at which the search left along a direction of negative curvature.")
-    wall_s: float = key("Wall time.")
-    wall_s_by_stage: dict[str, float] = key("Wall time of each stage by name, in s.")
     height_mm: float = key("Extent along z; of a free sheet, on its principal axes, the smallest extent.")
     extent_mm: list[float] = key(
         "Sizes of the box around the sheet: of a supported sheet along x, y and z; of a free sheet along its principal "
@@ -87,6 +84,19 @@ class ShapeRecord(Record):
         "Mean distance of neighbouring star centres over the printed distance; null for a single star. Of drawn rods, "
         "that of sites of their lattice, or of a square lattice with the mean distance of the rods."
     )
+    vertices: int = key("Vertices of the mesh that the files hold.")
+    triangles: int = key("Triangles of that mesh.")
+
+
+class ShapeRecord(MeasuresRecord, CertificateRecord):  # the keys of the second class come first
+    """The summary of a shape, whichever model computed it."""
+
+    last = ("warnings", "version", "design")
+
+    mesh: str = key("Kind of the mesh: `aligned` with the arms, or `free`.")
+    dofs: int = key("Unknowns of the model that are not held.")
+    wall_s: float = key("Wall time.")
+    wall_s_by_stage: dict[str, float] = key("Wall time of each stage by name, in s.")
     self_intersections: int = key("Pairs of triangles that pass through each other.")
     warnings: list[str] = key("What to know before you trust the shape, one sentence each.", default_factory=list)
     version: str = key("Version of asterism.")

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from asterism.results.record import Record, key
 
-# a measurement that narrows the range of heights by less than this part is not worth its row in the table
-LEAST_NARROWING = 0.05
 # the keys of `[spread]` in words
 VALUES = {
     "modulus_ratio_factor": "modulus ratio",
@@ -80,7 +78,8 @@ class SpreadRecord(Record):
         """The measurement that would narrow the range most; None if none is worth it."""
         width = self.height_high_mm - self.height_low_mm
         for best in self.measurements[:1]:
-            if best.high_mm - best.low_mm < (1.0 - LEAST_NARROWING) * width:
+            # a measurement that narrows the range of heights by less than this part is not worth its row in the table
+            if best.high_mm - best.low_mm < 0.95 * width:
                 before = f"{self.height_low_mm:.1f}-{self.height_high_mm:.1f}"
                 return f"{best.name}: would narrow {before} to {best.low_mm:.1f}-{best.high_mm:.1f} mm"
         return None

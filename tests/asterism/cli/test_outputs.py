@@ -29,7 +29,7 @@ CASES = [
     ([*FIT, "f.toml"], "f-fit/target.obj/", "fitting.load_target.load_target"),
     (["law", "show"], "paper-law/law.png/", "laws.law_picture.draw_law"),
     (["calibrate", "d.toml"], "d-law.npz/", "laws.calibrate.run_campaign"),
-    (["picture", "d", "-o", "p"], "p/d-oblique.png/", "shape.read_shape.read_shape"),
+    (["picture", "d", "-o", "p"], "p/d-oblique.png/", "shape.vtu.read_shape"),
 ]
 
 

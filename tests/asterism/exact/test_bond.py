@@ -10,8 +10,7 @@ from PIL import Image
 
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State
-from asterism.exact.bond import line_forces
-from asterism.exact.simulation import exact_shape
+from asterism.exact.simulation import exact_shape, line_forces
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.meshing import mesh_layout
@@ -66,8 +65,8 @@ def test_a_rod_in_a_given_shape_needs_the_forces_of_beam_theory() -> None:
         bending = modulus * width * thickness**3 / 12.0
         peel, shear = -24.0 * a * bending, 2.0 * b * modulus * width * thickness
         error = 0.01 * max(abs(peel), shear)
-        assert forces.peel[inner] == pytest.approx(peel, abs=error)
-        assert forces.shear[inner] == pytest.approx(shear, abs=error)
+        assert forces["peel_n_per_mm"][inner] == pytest.approx(peel, abs=error)
+        assert forces["shear_n_per_mm"][inner] == pytest.approx(shear, abs=error)
 
 
 def test_forces_are_proportional_to_the_moduli() -> None:

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 import asterism
-from asterism.shape.read_shape import read_shape
+from asterism.shape.vtu import read_shape
 from tests.asterism.commands import command
 
 RING = """

@@ -18,8 +18,8 @@ from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.reports.write_results import write_results
-from asterism.shape.read_shape import read_shape
 from asterism.shape.shape import Shape
+from asterism.shape.vtu import read_shape
 
 STARTS = 9
 

@@ -9,6 +9,7 @@ import pytest
 from asterism.exact.warnings import exact_warnings
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
+from asterism.results.records.exact import ExactRecord
 
 SUMMARY = {
     "converged": True, "is_minimum": True, "smallest_eigenvalue": 1e-3, "gradient_norm": 1e-9,
@@ -20,7 +21,7 @@ SUMMARY = {
 def said(scale: float = 1.0, **changes: Any) -> list[str]:
     pins = [{"where": "border", "scale": scale}]
     design = Design.from_dict({"stars": {"length_mm": 8.0}, "border": {"rings": 2}, "pins": pins})
-    return exact_warnings(SUMMARY | changes, design, layout(design))
+    return exact_warnings(ExactRecord.from_json(SUMMARY | changes), design, layout(design))
 
 
 def test_nothing_is_said_of_a_good_shape() -> None:
@@ -52,5 +53,5 @@ def test_what_is_wrong_is_said_once(changes: dict[str, Any], line: str) -> None:
 def test_a_free_roll_on_a_coarse_mesh_has_no_certain_radius(axis: float | None, edge: float, told: bool) -> None:
     hinges = {"fabric": {"bending": "paper"}}
     free = Design.from_dict({"stars": {"length_mm": 8.0}, "border": {"rings": 2}} | hinges)
-    summary = SUMMARY | {"roll_axis_deg": axis, "edge_mm": edge}
+    summary = ExactRecord.from_json(SUMMARY | {"roll_axis_deg": axis, "edge_mm": edge})
     assert ["depends on the mesh" in line for line in exact_warnings(summary, free, layout(free))] == [True] * told

@@ -12,7 +12,7 @@ import numpy as np
 import trimesh
 from PIL import Image
 
-from asterism.fitting.height_mesh import height_mesh
+from asterism.fitting.disk import height_mesh
 from tests.asterism.fitting import wrong_surfaces as wrong
 from tests.asterism.fitting.surfaces import cylinder_part, spherical_cap
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from asterism.fitting.disk import disk_of
-from asterism.fitting.height_mesh import height_mesh
+from asterism.fitting.disk import disk_of, height_mesh
 
 
 def test_a_full_grid_is_taken_as_it_is() -> None:

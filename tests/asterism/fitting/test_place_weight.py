@@ -14,6 +14,7 @@ from asterism.fitting.errors import TargetError
 from asterism.fitting.first_guess import FirstGuess, guess_design
 from asterism.fitting.fit import fit
 from asterism.fitting.residual import FitDistance, FitPlaces, Residual, SheetState
+from asterism.fitting.search import moves_at
 from asterism.fitting.settings import FitSettings
 from asterism.fitting.target import TargetSurface
 from asterism.pattern.design.design import Design
@@ -45,6 +46,10 @@ def preview(guess: FirstGuess) -> Preview:
 def residual_of(target: TargetSurface, guess: FirstGuess, is_free: bool) -> Residual:
     plan = layout(guess.design)
     return Residual(target, FitPlaces.of(guess.target_map, plan.outline, plan.lattice_vectors), is_free)
+
+
+def shown_state(residual: Residual, preview: Preview) -> SheetState:
+    return residual.at(preview.lens(residual.places.points)())
 
 
 def normal_mm(target: TargetSurface, state: SheetState) -> Floats:
@@ -93,8 +98,8 @@ def test_other_weights_are_refused_in_one_line(target: TargetSurface, weight: An
 
 
 def test_equal_weights_change_nothing(target: TargetSurface, guess: FirstGuess, preview: Preview) -> None:
-    plain = residual_of(target, guess, False).at(preview)
-    seven = residual_of(target.weighted("7"), guess, False).at(preview)
+    plain = shown_state(residual_of(target, guess, False), preview)
+    seven = shown_state(residual_of(target.weighted("7"), guess, False), preview)
     np.testing.assert_allclose(seven.values, plain.values, rtol=1e-12)
     assert plain.rms_mm == pytest.approx(np.sqrt((normal_mm(target, plain) ** 2).mean()), rel=1e-12)
 
@@ -104,7 +109,7 @@ def test_residuals_and_their_derivatives_have_the_weights(
     target: TargetSurface, guess: FirstGuess, preview: Preview, is_free: bool
 ) -> None:
     weighted, plain = residual_of(target.weighted(RIGHT), guess, is_free), residual_of(target, guess, is_free)
-    state = weighted.at(preview)
+    state = shown_state(weighted, preview)
     weight = weighted.target.weight_at(weighted.places.goals[: weighted.places.count])
     by_hand = np.sqrt(weight @ normal_mm(target, state) ** 2 / weight.sum())
     assert state.rms_mm == pytest.approx(by_hand, rel=1e-12)
@@ -114,11 +119,9 @@ def test_residuals_and_their_derivatives_have_the_weights(
         columns = weighted._columns(state, np.concatenate([turns, np.tile(np.eye(3), (len(turns), 1, 1))], axis=-1))
         assert np.abs(columns.T @ state.values).max() < 0.05 * np.linalg.norm(columns, axis=0).max() * state.rms_mm
         return
-    responses = star_sensitivity(preview.state, "length_mm")
-    of_weighted, of_plain = (
-        weighted.derivatives(preview, state, responses),
-        plain.derivatives(preview, state, responses),
-    )
+    places = weighted.places.points[: weighted.places.count]
+    moves = moves_at(preview, places, star_sensitivity(preview.state, "length_mm"))
+    of_weighted, of_plain = weighted.derivatives(state, moves), plain.derivatives(state, moves)
     factor = np.repeat(np.sqrt(weight / weight.mean()), 3)
     np.testing.assert_allclose(of_weighted, factor[:, None] * of_plain, rtol=1e-9, atol=1e-12)
 

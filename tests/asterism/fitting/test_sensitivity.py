@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import asterism
-from asterism.fitting.sensitivity import sensitivity
+from asterism.fitting.solve_for import sensitivity
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.painted_stars import SIZE_KEYS, with_painted_stars
 

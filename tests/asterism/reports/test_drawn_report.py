@@ -10,8 +10,7 @@ from asterism.exact.simulation import exact_shape
 from asterism.pattern.design.design import Design
 from asterism.print.job import prepare
 from asterism.print.printer import load_plastic, load_printer
-from asterism.reports.design_page import design_facts
-from asterism.reports.design_report import report
+from asterism.reports.design_report import design_facts, report
 from asterism.reports.write_results import write_results
 from tests.asterism.print.measure import pdf_words
 

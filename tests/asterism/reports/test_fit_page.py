@@ -19,8 +19,7 @@ from asterism.fitting.target import TargetSurface
 from asterism.pattern.layout.build import layout
 from asterism.previews.law_choice import paper_law
 from asterism.previews.session import preview
-from asterism.reports.fit_page import fit_page, remainder
-from asterism.reports.fit_plots import star_contractions
+from asterism.reports.fit_page import fit_page, remainder, star_contractions
 from asterism.results.records.fit import FitRecord, TargetDistanceRecord
 from tests.asterism.fitting.surfaces import spherical_cap
 

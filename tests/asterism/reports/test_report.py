@@ -12,7 +12,7 @@ import pytest
 from asterism.homogenize.law.law_file import PAPER_LAW, load_law
 from asterism.pattern.layout.build import load_design
 from asterism.previews.session import preview
-from asterism.reports.design_page import LAYOUT_AT, LAYOUT_MM
+from asterism.reports.design_report import LAYOUT_AT, LAYOUT_MM
 from asterism.reports.write_results import write_results
 from tests.asterism.commands import command
 

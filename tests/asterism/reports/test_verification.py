@@ -21,8 +21,7 @@ from asterism.previews.session import preview
 from asterism.process.version import __version__
 from asterism.reports.verification_page import verification_page, write_verification
 from asterism.reports.write_results import write_results
-from asterism.shape.read_shape import read_shape
-from asterism.shape.vtu import write_shape_vtu
+from asterism.shape.vtu import read_shape, write_shape_vtu
 from asterism.verification import run
 from asterism.verification.run import verify
 from asterism.verification.verification import Verification

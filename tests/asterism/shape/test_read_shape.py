@@ -13,9 +13,8 @@ import pytest
 
 import asterism
 from asterism.pattern.design.errors import DesignError
-from asterism.shape.read_shape import read_shape
 from asterism.shape.shape import Shape
-from asterism.shape.vtu import write_shape_vtu
+from asterism.shape.vtu import read_shape, write_shape_vtu
 
 
 @pytest.fixture(scope="module")

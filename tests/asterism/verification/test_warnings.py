@@ -13,9 +13,9 @@ from asterism.equilibrium.arrays import Floats
 from asterism.exact.warnings import off_branch
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
+from asterism.results.records.exact import ExactRecord
 from asterism.shape.comparison import compare_shapes
-from asterism.verification.verification import Verification
-from asterism.verification.warnings import verification_warnings
+from asterism.verification.verification import Verification, verification_warnings
 from tests.asterism.verification.printed import design, shape
 
 OF = design()
@@ -104,7 +104,7 @@ def test_heights_that_were_expected_to_differ_are_no_surprise(
     ],
 )
 def test_stars_on_another_side_are_named_once(down: list[int], off: list[int], line: str) -> None:
-    warnings = list(off_branch({"stars_off_branch": off, "stars_total": 7}))
+    warnings = list(off_branch(ExactRecord.from_json({"stars_off_branch": off, "stars_total": 7})))
     assert said(stars_down=down, stars_off_branch=off, warnings=warnings) == [line]
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from asterism.verification.numbers import (
+from asterism.verification.minima import (
     MAX_FORM_DISTANCE_PERCENT,
     MAX_LIKE_AXIS_DEG,
     MAX_LIKE_DISTANCE_PERCENT,
