@@ -58,8 +58,8 @@ if TYPE_CHECKING:
     from asterism.reports.write_results import write_results as write_results
     from asterism.shape.shape import Shape as Shape
     from asterism.shape.vtu import read_shape as read_shape
-    from asterism.sweeps.run import sweep_design as sweep
     from asterism.sweeps.sweep import Sweep as Sweep
+    from asterism.sweeps.sweep import sweep_design as sweep
     from asterism.sweeps.sweep import write_sweep as write_sweep
     from asterism.verification.both_starts import simulate as simulate
     from asterism.verification.run import verify as verify
@@ -100,7 +100,7 @@ _HOMES = {
     "solve_for": "asterism.fitting.solve_for:solve_for",
     "solve_for_point": "asterism.fitting.solve_for:solve_for_point",
     "spread": "asterism.exact.spread:spread",
-    "sweep": "asterism.sweeps.run:sweep_design",
+    "sweep": "asterism.sweeps.sweep:sweep_design",
     "verify": "asterism.verification.run:verify",
     "write_comparison": "asterism.measure.compare.compare:write_comparison",
     "write_fit": "asterism.reports.fit_page:write_fit",

@@ -56,8 +56,7 @@ def sweep(
     from asterism.results.files import check_folder
     from asterism.sweeps.cost import sweep_cost
     from asterism.sweeps.parameters import SweepParameter
-    from asterism.sweeps.run import check_model, sampled, sweep_design, sweep_parameters
-    from asterism.sweeps.sweep import write_sweep
+    from asterism.sweeps.sweep import check_model, sampled, sweep_design, sweep_parameters, write_sweep
 
     check_workers(jobs, dask)
     if exact and law is not None:

@@ -67,7 +67,7 @@ def _warm_up(kit: Path) -> None:
     import asterism.cli.app
     import asterism.cli.fit
     import asterism.measure.strips.fit_strips
-    import asterism.sweeps.run
+    import asterism.sweeps.sweep
 
     for name in ("star", "pinned"):
         design = asterism.Design.from_dict(DESIGNS[name])

@@ -11,7 +11,7 @@ import pytest
 from asterism.pattern import gallery
 from asterism.pattern.design.entries import with_entries
 from asterism.sweeps.parameters import SweepError, SweepParameter, check_parameters, grid, latin_hypercube
-from asterism.sweeps.run import check_model, sweep_design, sweep_parameters
+from asterism.sweeps.sweep import check_model, sweep_design, sweep_parameters
 
 
 @pytest.mark.parametrize(

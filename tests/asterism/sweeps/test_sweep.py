@@ -18,9 +18,8 @@ import asterism
 from asterism.homogenize.campaign.workers import CampaignProgress
 from asterism.homogenize.law.law_file import PAPER_LAW
 from asterism.pattern.design.design import Design
-from asterism.sweeps.run import sweep_design
 from asterism.sweeps.solve_point import named_law
-from asterism.sweeps.sweep import Sweep, sweep_csv, write_sweep
+from asterism.sweeps.sweep import Sweep, sweep_csv, sweep_design, write_sweep
 from tests.asterism.commands import Cli
 from tests.homogenize import same_process
 
@@ -77,7 +76,7 @@ def test_finished_designs_are_not_computed_again(once: tuple[Path, Sweep], monke
     def refuse(*arguments: object) -> None:
         raise AssertionError("computed again")
 
-    monkeypatch.setattr("asterism.sweeps.run.solve_point", refuse)
+    monkeypatch.setattr("asterism.sweeps.sweep.solve_point", refuse)
     again = sweep_design(small(), VARY, folder=folder, report=reports.append)
     assert [progress.done for progress in reports] == [4] and reports[0].failed == 2
     assert again.summary == result.summary and sweep_csv(again) == sweep_csv(result)
@@ -98,7 +97,7 @@ def test_a_changed_law_of_the_design_is_not_the_same_law(tmp_path: Path) -> None
 def test_a_law_that_this_machine_cannot_read_is_tried_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A worker on another machine may lack the file: its failure is a row, and not kept."""
     file, folder = tmp_path / "own.npz", tmp_path / "designs"
-    monkeypatch.setattr("asterism.sweeps.run.named_law", lambda table: "the law that the caller can read")
+    monkeypatch.setattr("asterism.sweeps.sweep.named_law", lambda table: "the law that the caller can read")
     named = Design.from_dict({**small().to_dict(), "material": {"law": str(file)}})
     vary = {"stars.thickness_mm": [0.3]}
     first = sweep_design(named, vary, folder=folder)
