@@ -22,11 +22,11 @@ import numpy as np
 from asterism.pattern import gallery
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
-from asterism.studio.child import ENGINE, StartedProcess
+from asterism.studio.child import ENGINE, Child
 from asterism.studio.drawing import OUTLINE_KEYS
 from asterism.studio.engine import Engine
 from asterism.studio.inbox import Inbox
-from asterism.studio.messages import Edit, Frame, Stop, StudioProblem
+from asterism.studio.messages import Edit, Frame, StudioProblem
 from benchmarks.report import markdown, write_report
 
 DESIGNS = ("dome", "u-shape")
@@ -85,7 +85,8 @@ class Timer:
         self._engine = Engine(Inbox(self._waiting.get), self._sent)
         self._marks: dict[str, tuple[float, float]] = {}
         self._seq = 0
-        self.ask(design=gallery.load(name).to_dict())
+        self._design = gallery.load(name).to_dict()
+        self.ask()
 
     def _sent(self, message: Any) -> None:
         if isinstance(message, StudioProblem):
@@ -99,7 +100,7 @@ class Timer:
         """Milliseconds by the clock and of the processor, to each stage of an edit."""
         self._seq, self._marks = self._seq + 1, {}
         self._begun = time.perf_counter(), time.process_time()
-        self._engine.answer(Edit(self._seq, **fields))
+        self._engine.answer(Edit(self._seq, **{"design": self._design, **fields}))
         return self._marks
 
 
@@ -121,12 +122,12 @@ def row(name: str, kind: str, count: int) -> list[str]:
 def first_picture_s(name: str) -> float:
     """Seconds by the clock from the start of an engine's process to its first picture."""
     begun = time.perf_counter()
-    started = StartedProcess(ENGINE)
+    started = Child(ENGINE)
     started.connection.send(Edit(1, gallery.load(name).to_dict()))
     while not isinstance(started.connection.recv(), Frame):
         pass
     seconds = time.perf_counter() - begun
-    started.connection.send(Stop())
+    started.connection.close()
     started.process.join(30.0)
     started.process.kill()
     return seconds

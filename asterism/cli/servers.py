@@ -27,10 +27,10 @@ def studio(
     ] = "127.0.0.1",
 ) -> None:
     """Draw stars on a page in the browser, and see the shape of the sheet at once."""
-    from asterism.studio.child import ENGINE, StartedProcess
+    from asterism.studio.child import ENGINE, Child
 
     # the engine takes longest to load, so it starts first
-    engine = StartedProcess(ENGINE)
+    engine = Child(ENGINE)
 
     def say(line: str) -> None:
         run.hand_over()

@@ -3,21 +3,31 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
 from typing import Any
 
+import numpy as np
+
 from asterism.equilibrium.arrays import Floats
-from asterism.notebook.sliders import SliderBoard
+from asterism.homogenize.law.star_law import StarLaw
 from asterism.pattern.design.design import Design
+from asterism.pattern.design.pins import Pins
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.painted_stars import SIZE_KEYS, with_painted_stars
 from asterism.previews.session import Preview
 from asterism.previews.solve import EDIT_START
 from asterism.shape.shape import Shape
 from asterism.studio import frames
 from asterism.studio.answers import engine_problem
-from asterism.studio.frames import frame_parts, mesh_bytes
+from asterism.studio.engine_frames import SheetView
 from asterism.studio.messages import Frame
-from asterism.studio.sheet_frames import shape_messages
-from asterism.studio.sheet_view import SheetView
+from asterism.studio.sheet_frames import shape_frame
 
+SIZE_SLIDERS = {"length": "Length", "thickness": "Thickness", "width": "Width"}
+SLIDERS = (*SIZE_SLIDERS, "stretch", "needle_scale", "needle_height")
+# factors of sizes, of places and of heights; the range of the law limits sizes further
+SIZE_FACTORS = (0.5, 1.5)
+SIZE_FACTOR_STEP, PLACE_FACTOR_STEP, HEIGHT_FACTOR_STEP = 0.01, 0.005, 0.02
 # Values of the widget's traits that change together: `mesh` and `frame` as bytes, `panel` as a table.
 Traits = dict[str, Any]
 
@@ -30,9 +40,7 @@ class LiveSheet:
         self._board = SliderBoard(preview.design, preview.sheet.layout, preview.law, keys)
         self._values = self._board.start
         self._views: dict[bool, SheetView] = {}  # by whether the mesh is fine
-        self._packed_meshes: dict[bool, bytes] = {}
         self._rotation: Floats | None = None  # of a free sheet, from the pose of the shell to the shown one
-        self._meshes = 0
         self._panel = panel(preview.design.name, sliders=[slider.data() for slider in self._board.sliders])
 
     def opening(self) -> Traits:
@@ -82,13 +90,10 @@ class LiveSheet:
 
     def _drawn(self, is_fine: bool, stage: str, x: Floats | None) -> Traits:
         """A stage with its mesh. The mesh stays the same over edits, unless other stars have arms."""
-        preview, layout = self.preview, self.preview.sheet.layout
+        preview = self.preview
         view = self._views.get(is_fine)
         if view is None or not view.shows(preview):
             view = self._views[is_fine] = SheetView(preview, is_fine)
-        if not view.has_arms_of(layout):
-            self._meshes += 1
-            self._packed_meshes[is_fine] = mesh_bytes(view.numbered(self._meshes, layout))
         is_new_form = stage == "equilibrium" and preview.equilibrium.guess != EDIT_START
         if self._rotation is None or (is_new_form and not is_fine):
             view.stand_up(preview, x)
@@ -96,22 +101,21 @@ class LiveSheet:
         view.rotation = self._rotation
         frame = view.frame(preview, 0, stage, x)
         self._height_mm = frame.height_mm
-        return {"mesh": self._packed_meshes[is_fine], "frame": shape_bytes(frame)}
+        return {"mesh": frames.mesh_bytes(frame), "frame": shape_bytes(frame)}
 
 
 def shape_traits(shape: Shape) -> Traits:
     """What the widget shows of a shape of either model."""
-    mesh, frame = shape_messages(shape)
+    frame = shape_frame(shape)
     known = panel(
         shape.summary.get("name", ""), figures=shape_figures(shape), warnings=list(shape.summary.get("warnings", ()))
     )
-    return {"mesh": mesh_bytes(mesh), "frame": shape_bytes(frame), "panel": known}
+    return {"mesh": frames.mesh_bytes(frame), "frame": shape_bytes(frame), "panel": known}
 
 
 def shape_bytes(frame: Frame) -> bytes:
     """The binary frame of a shape."""
-    header, arrays = frame_parts(frame)
-    return frames.pack(frames.SHAPE, {"mesh": frame.mesh, "frame": frame.seq, **header}, arrays)
+    return frames.pack(frames.SHAPE, {"mesh": frame.mesh, "frame": frame.seq, **frame.header}, frame.arrays)
 
 
 def panel(name: str, **known: Any) -> dict[str, Any]:
@@ -134,3 +138,161 @@ def shape_figures(shape: Shape) -> list[list[str]]:
     if summary.get("is_minimum") is False:
         out.append(["Certificate", "not a minimum"])
     return out
+
+
+@dataclass(frozen=True)
+class Slider:
+    """A value of a design that a slider changes.
+
+    Attributes
+    ----------
+    key : one of `SLIDERS`.
+    label : name on the page.
+    low, high, step, start : of the slider's value; a factor, but for the stretch.
+    base : smallest and largest size at the factor 1; None if the value itself is shown.
+    unit, digits : of the size, or of the value.
+    options : the values that are possible, if only some are.
+    """
+
+    key: str
+    label: str
+    low: float
+    high: float
+    step: float
+    start: float = 1.0
+    base: tuple[float, float] | None = None
+    unit: str = "mm"
+    digits: int = 1
+    options: tuple[float, ...] = ()
+
+    def data(self) -> dict[str, Any]:
+        """As a message."""
+        return asdict(self) | {"options": list(self.options), "base": self.base and list(self.base)}
+
+
+class SliderBoard:
+    """The sliders of the design of a preview when it is shown, in the order of `keys`; by default all that it has.
+
+    Raises
+    ------
+    ValueError
+        A key is no slider, or the design does not have it.
+    """
+
+    def __init__(self, design: Design, layout: Layout, law: StarLaw, keys: Sequence[str] | None = None) -> None:
+        self._design, self._layout = design, layout
+        sizes = layout.site_sizes_mm
+        self._is_star = sizes[:, 0] > 0
+        present = {slider.key: slider for slider in self._present(law)}
+        chosen = list(present) if keys is None else list(keys)
+        for key in chosen:
+            if key not in SLIDERS:
+                raise ValueError(f"sliders: {key!r} must be one of {', '.join(SLIDERS)}")
+            if key not in present:
+                raise ValueError(f"sliders: this design has no {key!r}, but {', '.join(present) or 'none'}")
+        self.sliders = [present[key] for key in dict.fromkeys(chosen)]
+
+    @property
+    def start(self) -> dict[str, float]:
+        """The values of the design itself."""
+        return {slider.key: slider.start for slider in self.sliders}
+
+    def checked(self, values: Mapping[str, Any]) -> dict[str, float]:
+        """Values within the ranges of the sliders; those that are left out are the design's own.
+
+        Raises
+        ------
+        ValueError
+            There is no such slider, or a value is no number.
+        """
+        out = self.start
+        by_key = {slider.key: slider for slider in self.sliders}
+        for key, value in values.items():
+            if key not in by_key:
+                raise ValueError(f"{key!r} is no slider of this sheet")
+            if isinstance(value, bool) or not isinstance(value, int | float) or not np.isfinite(value):
+                raise ValueError(f"{key} = {value!r}: must be a number")
+            slider = by_key[key]
+            if slider.options:
+                out[key] = min(slider.options, key=lambda option: abs(option - value))
+            else:
+                out[key] = float(min(max(value, slider.low), slider.high))
+        return out
+
+    def design_at(self, values: Mapping[str, Any]) -> Design:
+        """The design at values of the sliders; raises the errors of `checked` and of `Design.from_dict`."""
+        checked = self.checked(values)
+        if checked == self.start:
+            return self._design
+        design = self._with_sizes([checked.get(key, 1.0) for key in SIZE_SLIDERS])
+        if "stretch" in checked and checked["stretch"] != design.fabric.stretch:
+            fabric = design.fabric.model_copy(update={"stretch": checked["stretch"]})
+            design = design.model_copy(update={"fabric": fabric})
+        place, height = checked.get("needle_scale", 1.0), checked.get("needle_height", 1.0)
+        return design.model_copy(update={"pins": tuple(_moved(pins, place, height) for pins in design.pins)})
+
+    def _present(self, law: StarLaw) -> list[Slider]:
+        """All sliders that the design has."""
+        design, out = self._design, []
+        ranges = law.size_ranges(design.fabric.stretch_xy)
+        for column, (key, label) in enumerate(SIZE_SLIDERS.items()):
+            sizes = self._layout.site_sizes_mm[self._is_star, column]
+            slider = _size_slider(key, label, sizes, ranges[SIZE_KEYS[column]])
+            if slider is not None:
+                out.append(slider)
+        stretch = design.fabric.stretch
+        options = law.even_stretches
+        if stretch in options and len(options) > 1:
+            shown: dict[str, Any] = {"start": float(stretch), "unit": "", "digits": 2, "options": options}
+            out.append(Slider("stretch", "Stretch of the fabric", options[0], options[-1], 0.01, **shown))
+        if design.pins:
+            label = "Distances of the needles"
+            out.append(Slider("needle_scale", label, 0.8, 1.2, PLACE_FACTOR_STEP, unit="×", digits=3))
+        heights = [height for pins in design.pins for height in _heights(pins) if height != 0]
+        if heights:
+            base = (min(heights), max(heights))
+            out.append(Slider("needle_height", "Heights of the needles", 0.0, 2.0, HEIGHT_FACTOR_STEP, base=base))
+        return out
+
+    def _with_sizes(self, factors: Sequence[float]) -> Design:
+        """The design with the sizes of all its stars times factors of length, thickness and width."""
+        design = self._design
+        changed = np.array([factor != 1.0 for factor in factors])
+        if not changed.any():
+            return design
+        # mm, of sizes that a factor gives
+        sizes: Floats = np.round(self._layout.site_sizes_mm * np.asarray(factors), 4)
+        stars, columns = design.required_stars, np.flatnonzero(changed)
+        if not stars.override and all(isinstance(getattr(stars, SIZE_KEYS[k]), int | float) for k in columns):
+            star = int(np.flatnonzero(self._is_star)[0])
+            update = {SIZE_KEYS[k]: float(sizes[star, k]) for k in columns}
+            return design.model_copy(update={"stars": stars.model_copy(update=update)})
+        sizes[:, ~changed] = np.nan
+        return with_painted_stars(design, self._layout.sheet_sites[self._is_star], sizes[self._is_star])
+
+
+def _size_slider(key: str, label: str, sizes: Floats, covered: tuple[float, float]) -> Slider | None:
+    """A factor of sizes (n,) mm that keeps them in the range that the law covers; None if only 1 does."""
+    smallest, largest = float(sizes.min()), float(sizes.max())
+    low = min(1.0, max(SIZE_FACTORS[0], covered[0] / smallest))
+    high = max(1.0, min(SIZE_FACTORS[1], covered[1] / largest))
+    low, high = float(np.ceil(low / SIZE_FACTOR_STEP - 1e-9)), float(np.floor(high / SIZE_FACTOR_STEP + 1e-9))
+    if low >= high:
+        return None
+    digits = 1 if key == "length" else 2
+    low, high = (round(steps * SIZE_FACTOR_STEP, 6) for steps in (low, high))
+    return Slider(key, label, low, high, SIZE_FACTOR_STEP, base=(smallest, largest), digits=digits)
+
+
+def _heights(pins: Pins) -> list[float]:
+    return [place[2] for place in pins.target_mm] if pins.target_mm is not None else [pins.offset_mm[2]]
+
+
+def _moved(pins: Pins, place: float, height: float) -> Pins:
+    """Pins whose distances from the origin and whose heights are multiplied."""
+    factor = np.array([place, place, height])
+    if pins.target_mm is not None:
+        targets = tuple(tuple(float(value) for value in row * factor) for row in np.asarray(pins.target_mm))
+        return pins.model_copy(update={"target_mm": targets})
+    offset = tuple(float(value) for value in np.asarray(pins.offset_mm) * factor)
+    return pins.model_copy(update={"scale": pins.scale * place, "offset_mm": offset})

@@ -94,13 +94,11 @@ class Autosave:
             self.path.unlink(missing_ok=True)
         self.path = None
 
-    def forget(self, name: str | None) -> list[KeptWork]:
-        """Remove the work of others from the disk: that in a file of this name, or all. Returns what it was."""
-        gone = [kept for kept in self.kept if name in (None, kept.path.name)]
-        self.kept = [kept for kept in self.kept if kept not in gone]
-        for kept in gone:
+    def forget(self, name: str | None) -> None:
+        """Remove the work of others from the disk: that in a file of this name, or all."""
+        for kept in [kept for kept in self.kept if name in (None, kept.path.name)]:
+            self.kept.remove(kept)
             kept.path.unlink(missing_ok=True)
-        return gone
 
 
 def _stem(path: Path) -> str:

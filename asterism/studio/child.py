@@ -14,7 +14,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from importlib import import_module
 from multiprocessing.connection import Connection
-from typing import Any
+from typing import Any, Self
 
 _END = object()  # the last in an outbox
 # The body of an engine's process.
@@ -41,8 +41,10 @@ def run_child(target: str, niceness: int, connection: Connection, *arguments: An
         body(connection, *arguments)
 
 
-class StartedProcess:
-    """A process that has been started, and this side's end of the pipe to it.
+class Child:
+    """A process of the studio that computes, and this side's end of the pipe to it.
+
+    The event loop talks to it from `listen` on. Sending never blocks the caller: a thread writes and another one reads.
 
     Parameters
     ----------
@@ -59,30 +61,22 @@ class StartedProcess:
         )
         self.process.start()
         theirs.close()
+        self._outbox: queue.SimpleQueue[Any] = queue.SimpleQueue()
 
+    def listen(self, receive: Callable[[Child, Any], None], ended: Callable[[Child], None]) -> Self:
+        """Begin to send and to receive.
 
-class Child:
-    """A process that the event loop talks to.
-
-    Sending never blocks the caller: a thread writes and another one reads. Messages arrive in the event loop.
-
-    Parameters
-    ----------
-    started : the process.
-    receive : called in the event loop with this child and each message.
-    ended : called in the event loop with this child when the process has ended or closed the pipe.
-    """
-
-    def __init__(
-        self, started: StartedProcess, receive: Callable[[Child, Any], None], ended: Callable[[Child], None]
-    ) -> None:
+        Parameters
+        ----------
+        receive : called in the event loop with this child and each message.
+        ended : called in the event loop with this child when the process has ended or closed the pipe.
+        """
         self._receive, self._ended = receive, ended
         self._loop = asyncio.get_running_loop()
-        self._outbox: queue.SimpleQueue[Any] = queue.SimpleQueue()
-        self._connection, self._process = started.connection, started.process
         self.last_sign = time.monotonic()
         for work in (self._read, self._write):
             threading.Thread(target=work, daemon=True).start()
+        return self
 
     def send(self, message: Any) -> None:
         """Send a message, which may be None; does nothing if the process has ended."""
@@ -93,21 +87,21 @@ class Child:
         self._ended = lambda child: None
         self._receive = lambda child, message: None
         self._outbox.put(_END)
-        self._process.kill()
+        self.process.kill()
 
     def close(self) -> None:
         """End the process and wait for it."""
         self.kill()
-        self._process.join(0.5)
+        self.process.join(0.5)
 
     def _read(self) -> None:
         with suppress(EOFError, OSError):
             while True:
                 # a process that has ended counts as such also if one of its own keeps the pipe open
-                while not self._connection.poll(0.5):
-                    if not self._process.is_alive() and not self._connection.poll():
+                while not self.connection.poll(0.5):
+                    if not self.process.is_alive() and not self.connection.poll():
                         raise EOFError
-                message = self._connection.recv()
+                message = self.connection.recv()
                 self.last_sign = time.monotonic()
                 self._in_loop(lambda message=message: self._receive(self, message))  # type: ignore[misc]
         self._in_loop(lambda: self._ended(self))
@@ -115,7 +109,7 @@ class Child:
     def _write(self) -> None:
         with suppress(EOFError, OSError):
             while (message := self._outbox.get()) is not _END:
-                self._connection.send(message)
+                self.connection.send(message)
 
     def _in_loop(self, call: Callable[[], None]) -> None:
         with suppress(RuntimeError):  # the loop has ended

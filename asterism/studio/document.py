@@ -19,7 +19,7 @@ from asterism.pattern.design.stars import Site
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
 from asterism.results.files import write_file
-from asterism.studio import star_sizes, weights
+from asterism.studio import star_sizes
 from asterism.studio.autosave import Autosave, autosaves
 from asterism.studio.design_file import DesignTexts, check_unchanged, check_writable, file_text
 from asterism.studio.file_names import check_files
@@ -187,7 +187,7 @@ class Document:
 
     def paint(self, sites: Sequence[Site], sizes: Mapping[str, Sequence[float | None]], gesture: Any) -> None:
         """Other sizes (mm) of stars at lattice sites."""
-        self._stars(star_sizes.painted(self._entries(), sites, sizes), gesture)
+        self.apply(star_sizes.painted(self.table, self.layout, sites, sizes), gesture)
 
     def brush(self, key: RodSizeKey, brush: Brush, places: Sequence[Sequence[Point]], gesture: Any = None) -> None:
         """Paint a size of the rods, see `PaintedField.brushed`. The design file keeps 256 values of it.
@@ -211,17 +211,11 @@ class Document:
 
     def change_stars(self, what: Literal["remove", "restore", "reset"], sites: Sequence[Site], gesture: Any) -> None:
         """Remove stars, bring removed ones back, or give them the sizes of the design's profiles."""
-        self._stars(star_sizes.changed(self._entries(), sites, what), gesture)
+        self.apply(star_sizes.changed(self.table, self.layout, sites, what), gesture)
 
     def weigh(self, sites: Sequence[Site], values: Sequence[float | None], gesture: Any = None) -> None:
         """Other weights of places in a fit, at lattice sites; None takes a weight away."""
-        self.apply(weights.weighed(self.table, sites, values), gesture)
-
-    def _entries(self) -> dict[Site, dict[str, Any]]:
-        return star_sizes.entries_by_site(self.table, self.layout)
-
-    def _stars(self, entries: Mapping[Site, Mapping[str, Any]], gesture: Any) -> None:
-        self.apply(star_sizes.with_entries(self.table, entries), gesture)
+        self.apply(star_sizes.weighed(self.table, sites, values), gesture)
 
     def undo(self) -> Step:
         """Show the state before."""

@@ -11,13 +11,19 @@ import numpy as np
 import shapely
 
 from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.errors import Error
 from asterism.pattern.design.drawings import IMPORT_CURVE_MM, OUTLINE_CURVE_MM, holes_in, stored_line
 from asterism.pattern.drawing.read import DRAWING_FORMATS, Drawing, closed_curves
 from asterism.pattern.drawing.read import read_drawing as read_lines
 from asterism.pattern.drawing.records import MM_OF_UNITS, DrawingError, FileLine, NoUnitError
 from asterism.pattern.layout.pin_placement import PIN_TOLERANCE_MM
 from asterism.studio.requests import LayerUse, PlaceDrawing
-from asterism.studio.uploads import MAX_CORNERS, UploadError
+
+MAX_CORNERS = 1000  # of an outline
+
+
+class UploadError(Error, ValueError):
+    """A file that cannot be used; the message is one line."""
 
 
 def drawing_data(drawing: Drawing, number: int) -> dict[str, Any]:

@@ -37,13 +37,12 @@ from asterism.previews.solve import EDIT_START, FORM_START
 from asterism.process.compiling import clock_without_compiling, signs_while_compiling
 from asterism.studio.answers import UNEXPECTED, blank_summary, engine_problem, rest_summary
 from asterism.studio.engine_frames import EQUILIBRIUM, EngineFrames
-from asterism.studio.inbox import Inbox, merged
+from asterism.studio.inbox import MAX_DRAGGED_SEARCH_S, SIGN_EVERY_S, Cancelled, Inbox, SearchBounds, Superseded
 from asterism.studio.messages import (
     Busy,
     Edit,
     FitTarget,
     Flip,
-    FormShape,
     Limits,
     Parts,
     Ready,
@@ -52,14 +51,7 @@ from asterism.studio.messages import (
     Sign,
     StudioProblem,
 )
-from asterism.studio.search_bounds import (
-    MAX_DRAGGED_SEARCH_S,
-    SIGN_EVERY_S,
-    Cancelled,
-    SearchBounds,
-    Superseded,
-)
-from asterism.studio.sheet_frames import blank_messages, printed_messages
+from asterism.studio.sheet_frames import blank_frame, printed_frame
 
 REST_S = 0.3  # without a message, after which the fine frame and the exact model follow
 
@@ -78,13 +70,13 @@ class Engine:
         self, inbox: Inbox, send: Callable[[Any], None], clock: Callable[[], float] = time.perf_counter
     ) -> None:
         self._inbox, self._send_on = inbox, send
-        self._bounds = SearchBounds(inbox, send, clock)
+        self.bounds = SearchBounds(inbox, send, clock)
         self._preview: Preview | None = None
         self._printed: Design | None = None  # a design without a preview
         self._known: Edit | None = None
         self._design: Design | None = None
         self._limits_of: Any = None  # material and lattice of the last limits
-        self._frames = EngineFrames(self._send)
+        self._frames = EngineFrames()
         self._is_resting = True
         self._owes_search = False  # the shape went on from one with another outline, and may not be the lowest
         self._equilibrium_at, self._equilibrium_sizes = -np.inf, np.empty((0, 3))
@@ -100,13 +92,13 @@ class Engine:
 
     def answer(self, message: Any) -> None:
         """Show an edit, another side or another form; with other parts; or lay the target on the shape."""
-        self._bounds.begin(message.seq)
+        self.bounds.begin(message.seq)
         if isinstance(message, Parts):
-            self._try(lambda: self._frames.send_again(message, self._preview, self._is_dragging))
+            self._try(lambda: self._show_again(message))
             return
         if isinstance(message, FitTarget):
-            self._bounds.wait()  # one long step
-            self._try(lambda: self._frames.send_pose(self._preview, message.seq))
+            self.bounds.wait()  # one long step
+            self._try(self._lay_target)
             return
         self._is_resting = False
         if isinstance(message, Edit):
@@ -119,17 +111,17 @@ class Engine:
     def rest(self) -> None:
         """After a while without edits: a fine frame, and all that is known about the shape."""
         self._is_resting = True
-        self._bounds.begin(self._bounds.seq, yields=True)
+        self.bounds.begin(self.bounds.seq, yields=True)
         self._try(self._show_at_rest)
 
     def _try(self, work: Callable[[], None]) -> None:
         """Do the work; an error becomes a message, and the preview keeps its shape."""
-        seq = self._bounds.seq
+        seq = self.bounds.seq
         try:
             work()
-            self._bounds.end(is_superseded=False)
+            self.bounds.end(is_superseded=False)
         except Superseded:
-            self._bounds.end(is_superseded=True)
+            self.bounds.end(is_superseded=True)
         except Cancelled:
             self._is_resting = True
             self._send(StudioProblem(seq, "cancelled", "the computation was cancelled"))
@@ -140,22 +132,17 @@ class Engine:
                 traceback.print_exc(file=sys.stderr)
             self._send(problem)
         finally:
-            self._bounds.go_on(math.inf)
+            self.bounds.go_on(math.inf)
 
     def _send(self, message: Any) -> None:
-        self._bounds.last_sign = time.monotonic()
-        self._bounds.go_on()
+        self.bounds.last_sign = time.monotonic()
+        self.bounds.go_on()
         self._send_on(message)
 
     def say(self, text: str) -> None:
         """Pass on what begins, which may take long."""
-        self._send(Busy(self._bounds.seq, text))
-        self._bounds.wait()
-
-    @property
-    def is_stuck(self) -> bool:
-        """Whether the computation is in a loop without end."""
-        return self._bounds.is_stuck
+        self._send(Busy(self.bounds.seq, text))
+        self.bounds.wait()
 
     @property
     def _is_dragging(self) -> bool:
@@ -164,12 +151,11 @@ class Engine:
     # edits
 
     def _edit(self, edit: Edit) -> None:
-        edit = merged(self._known, edit) if self._known else edit
         is_known = self._known is not None and (edit.design, edit.folder) == (self._known.design, self._known.folder)
         parsed = self._design if is_known else None
         self._known = edit
         if edit.is_dragging and self._preview is not None:
-            self._bounds.longest_s = MAX_DRAGGED_SEARCH_S
+            self.bounds.longest_s = MAX_DRAGGED_SEARCH_S
         design = self._parsed(edit, parsed)
         try:
             self._tell_limits(design)
@@ -195,7 +181,7 @@ class Engine:
             with suppress(ForeignLaw):  # so are cells of other fabrics
                 ranges = law.check(design).size_ranges
         self._limits_of = key
-        self._send(Limits(self._bounds.seq, ranges, stretches))
+        self._send(Limits(self.bounds.seq, ranges, stretches))
 
     def _show_design(self, design: Design, edit: Edit) -> None:
         preview = self._preview
@@ -211,25 +197,22 @@ class Engine:
         self._printed = None
         self._owes_search = False
         if preview is None:
-            preview = Preview(design, check=self._bounds.check, say=self.say)
+            preview = Preview(design, check=self.bounds.check, say=self.say)
             if snapshot is not None:
                 self._restores(preview, snapshot, design)
         elif snapshot is None or not self._restores(preview, snapshot, design):
-            preview = Preview(design, check=self._bounds.check, say=self.say)
+            preview = Preview(design, check=self.bounds.check, say=self.say)
         self._preview = preview
 
     def _parsed(self, edit: Edit, parsed: Design | None) -> Design:
         """The design of an edit, with its painted stars; `parsed` is its table, if that is parsed already."""
         if parsed is None:
             self._design = None  # of errors in the table
-            assert edit.design is not None
             parsed = Design.from_dict(edit.design, edit.folder)
         self._design = parsed
-        if parsed.stars is None or (edit.sites is None and edit.removed is None):
+        if parsed.stars is None or not len(edit.sites) + len(edit.removed):
             return parsed
-        sites = np.empty((0, 2)) if edit.sites is None else edit.sites
-        sizes = np.full((len(sites), 3), np.nan) if edit.sizes_mm is None else edit.sizes_mm
-        return with_painted_stars(parsed, sites, sizes, () if edit.removed is None else edit.removed)
+        return with_painted_stars(parsed, edit.sites, edit.sizes_mm, edit.removed)
 
     def _show_stages(self, preview: Preview, design: Design, edit: Edit) -> None:
         for stage in preview.edit(design, keep_form=True):
@@ -261,27 +244,27 @@ class Engine:
         try:
             work()
         except Cancelled:
-            self._send(StudioProblem(self._bounds.seq, "search ended", "the search was cancelled; the form stays"))
+            self._send(StudioProblem(self.bounds.seq, "search ended", "the search was cancelled; the form stays"))
         except SearchLimitError:
-            text = f"no other form within {self._bounds.longest_s:g} s; the form stays"
-            self._send(StudioProblem(self._bounds.seq, "search ended", text))
+            text = f"no other form within {self.bounds.longest_s:g} s; the form stays"
+            self._send(StudioProblem(self.bounds.seq, "search ended", text))
 
     def _flip(self) -> None:
         if self._preview is None:
-            self._send(StudioProblem(self._bounds.seq, "no other side", "there is no shape to flip"))
+            self._send(StudioProblem(self.bounds.seq, "no other side", "there is no shape to flip"))
             return
         before = self._preview.state
         side = self._preview.flip()
         if self._preview.state is before:
             text = f"the sheet has no form but the one with its edges {side}"
-            self._send(StudioProblem(self._bounds.seq, "no other side", text))
+            self._send(StudioProblem(self.bounds.seq, "no other side", text))
             return
         self._owes_search = False
         self._show(EQUILIBRIUM, None)
 
     def _show_form(self, index: int) -> None:
         if self._preview is None or not 0 <= index < len(self._preview.forms):
-            self._send(StudioProblem(self._bounds.seq, "no such form", "the list of forms has changed"))
+            self._send(StudioProblem(self.bounds.seq, "no such form", "the list of forms has changed"))
             return
         self._preview.show_form(index)
         self._owes_search = False
@@ -293,29 +276,41 @@ class Engine:
         """Send a stage on the coarse mesh."""
         preview = self._preview
         assert preview is not None and self._known is not None
-        frame = self._frames.coarse(preview, self._bounds.seq, stage, x, self._known.is_dragging)
+        frame = self._frames.coarse(preview, self.bounds.seq, stage, x, self._known.is_dragging)
         snapshot = None
         if stage == EQUILIBRIUM:
             self._equilibrium_at = time.monotonic()
             self._equilibrium_sizes = preview.sheet.layout.site_sizes_mm
             snapshot = None if self._known.is_dragging else pickle.dumps(preview.snapshot())
-        seconds = {"since asked": self._bounds.seconds, **preview.seconds}
+        seconds = {"since asked": self.bounds.seconds, **preview.seconds}
         self._send(replace(frame, snapshot=snapshot, seconds=seconds))
 
     def _show_blank(self, design: Design) -> None:
         """Send the flat sheet of a design without stars, and all that there is to know of it."""
         self._is_resting = True
-        self._frames.send_flat(blank_messages, design, self._bounds.seq)
-        self._send(blank_summary(self._bounds.seq))
+        self._send(blank_frame(design, self.bounds.seq))
+        self._send(blank_summary(self.bounds.seq))
 
     def _show_printed(self, design: Design) -> None:
         """Send the flat sheet of a design that has no preview: the exact model has to compute it."""
         self._preview = None
         self._printed = design
-        self._frames.send_flat(printed_messages, design, self._bounds.seq)
+        self._send(printed_frame(design, self.bounds.seq))
+
+    def _show_again(self, parts: Parts) -> None:
+        """Send the last equilibrium with other parts; frames from now on have them too."""
+        self._frames.set_parts(parts)
+        if (frame := self._frames.again(self._preview, self._is_dragging)) is not None:
+            self._send(frame)
+
+    def _lay_target(self) -> None:
+        """Send the motion that lays the target on the last shape."""
+        seq = self.bounds.seq
+        pose = None if self._preview is None else self._frames.pose(seq)
+        self._send(pose or StudioProblem(seq, "no target", "there is no target or no shape to lay it on"))
 
     def _show_at_rest(self) -> None:
-        preview, known, seq = self._preview, self._known, self._bounds.seq
+        preview, known, seq = self._preview, self._known, self.bounds.seq
         if known is None or known.is_dragging:
             return
         if preview is None:
@@ -342,7 +337,7 @@ class Engine:
         for index, (_, trial) in enumerate(others):
             if self._inbox.has_waiting:
                 raise Superseded
-            self._send(FormShape(seq, index, self._frames.form(preview, seq, trial.x)))
+            self._send(self._frames.form(preview, seq, index, trial.x))
 
 
 def pattern_kinds(design: Design) -> tuple[bool, bool, bool]:
@@ -364,7 +359,7 @@ def run_engine(connection: Connection) -> None:
     ----------
     connection : this process's end of a pipe, with the messages of `asterism.studio.messages`.
     """
-    begun, lock = time.monotonic(), threading.Lock()
+    lock = threading.Lock()
 
     def send(message: Any) -> None:
         with lock:
@@ -376,14 +371,14 @@ def run_engine(connection: Connection) -> None:
         with signs_while_compiling(engine.say, SIGN_EVERY_S):
             if not inbox.has_waiting:
                 list(Preview(gallery.load("star"), law).edit(gallery.load("star")))
-            send(Ready(time.monotonic() - begun))
+            send(Ready())
 
             def give_signs() -> None:
                 """A process that is stopped or stuck in a library gives no sign; one in a loop without end says so."""
                 with suppress(OSError):
                     while not inbox.is_closed:
                         time.sleep(1.0)
-                        send(Sign(engine.is_stuck))
+                        send(Sign(engine.bounds.is_stuck))
 
             threading.Thread(target=give_signs, daemon=True).start()
             engine.serve()

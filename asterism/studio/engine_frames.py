@@ -1,43 +1,37 @@
-"""Frames of the engine's shapes: on a coarse and a fine mesh, and beside the target surface."""
+"""Frames of the engine's shapes: on a coarse and a fine mesh that edits keep, and beside the target surface."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from functools import cached_property
 
 import numpy as np
 
-from asterism.equilibrium.arrays import Floats, Ints
+from asterism.equilibrium.arrays import Array, Floats, Ints
 from asterism.measure.compare.nearest import NearestOnSurface
 from asterism.measure.compare.registration import register
 from asterism.measure.compare.scan import MAX_SCAN_POINTS, surface_samples
-from asterism.pattern.design.design import Design
+from asterism.pattern.geometry.normals import sum_at_vertices, triangle_normals
+from asterism.pattern.geometry.planar import triangle_areas
+from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.previews.session import Preview
 from asterism.previews.solve import EDIT_START
-from asterism.studio.messages import Frame, Parts, ShownMesh, StudioProblem, Surface, TargetDistance, TargetPose
-from asterism.studio.sheet_view import SheetView
+from asterism.shape.pose import upright_rotation
+from asterism.studio.messages import Frame, Parts, Surface, TargetPose
+from asterism.studio.sheet_frames import SheetMarks, smooth_arrays
 
 EQUILIBRIUM = "equilibrium"
 
 
 class EngineFrames:
-    """Makes the frames of one preview after another.
+    """Makes the frames of one preview after another."""
 
-    Parameters
-    ----------
-    send : passes a message on; meshes are sent before the first frame on them.
-    """
-
-    def __init__(self, send: Callable[[Any], None]) -> None:
-        self._send = send
+    def __init__(self) -> None:
         self._coarse: SheetView | None = None
         self._fine: SheetView | None = None
-        self._last_view: SheetView | None = None
-        self._shown_seq, self._shown_stage = 0, ""
+        self._last: tuple[SheetView, Frame] | None = None
         self._parts = Parts(0)
         self._target: TargetComparison | None = None
-        self._meshes = 0
 
     def coarse(self, preview: Preview, seq: int, stage: str, x: Floats | None, is_dragging: bool) -> Frame:
         """A stage on the coarse mesh. The distance to the target waits until the pointer is up."""
@@ -47,7 +41,7 @@ class EngineFrames:
         return self._frame(view, preview, seq, stage, x, is_measured=not is_dragging and stage != "linear")
 
     def prepare_fine(self, preview: Preview) -> None:
-        """Make the fine mesh, and send it."""
+        """Make the fine mesh."""
         self._fine = self._view(preview, self._fine, is_fine=True)
 
     def fine(self, preview: Preview, seq: int) -> Frame:
@@ -58,60 +52,143 @@ class EngineFrames:
             view.rotation = self._coarse.rotation
         return self._frame(view, preview, seq, EQUILIBRIUM, None, is_measured=True)
 
-    def form(self, preview: Preview, seq: int, x: Floats) -> Frame:
+    def form(self, preview: Preview, seq: int, index: int, x: Floats) -> Frame:
         """Another form of the sheet, with positions x (N, 3) of the shell's dofs, on the coarse mesh."""
         view = self._coarse = self._view(preview, self._coarse, is_fine=False)
         rotation = view.rotation
         view.stand_up(preview, x)
         frame = view.frame(preview, seq, EQUILIBRIUM, x, self._parts.smooth)
         view.rotation = rotation
-        return frame
+        return replace(frame, form=index)
 
-    def send_flat(
-        self, messages: Callable[[Design, int, int], tuple[ShownMesh, Frame]], design: Design, seq: int
-    ) -> None:
-        """Send a flat sheet, that of `blank_messages` or of `printed_messages`."""
-        self._meshes += 1
-        for message in messages(design, self._meshes, seq):
-            self._send(message)
-
-    def send_again(self, parts: Parts, preview: Preview | None, is_dragging: bool) -> None:
-        """Send the last equilibrium with other parts; frames from now on have them too."""
+    def set_parts(self, parts: Parts) -> None:
+        """What frames from now on hold besides the shape."""
         if parts.version != self._parts.version:
             self._target = None if parts.target is None else TargetComparison(parts.target, parts.version)
         self._parts = parts
-        view = self._last_view
-        if preview is not None and view is not None and view.shows(preview) and self._shown_stage == EQUILIBRIUM:
-            frame = self._frame(view, preview, self._shown_seq, EQUILIBRIUM, None, is_measured=not is_dragging)
-            self._send(replace(frame, seconds=preview.seconds, is_again=True))
 
-    def send_pose(self, preview: Preview | None, seq: int) -> None:
-        """Send the motion that lays the target on the last shape."""
-        view = self._last_view
-        if preview is None or view is None or self._target is None or not view.shows(preview):
-            self._send(StudioProblem(seq, "no target", "there is no target or no shape to lay it on"))
-            return
-        positions = view.frame(preview, seq, EQUILIBRIUM).positions
-        self._send(self._target.pose(seq, positions, view.triangles))
+    def again(self, preview: Preview | None, is_dragging: bool) -> Frame | None:
+        """The last equilibrium with the parts that are asked for now; None without one."""
+        if preview is None or self._last is None:
+            return None
+        view, last = self._last
+        if last.stage != EQUILIBRIUM or not view.shows(preview):
+            return None
+        frame = self._frame(view, preview, last.seq, EQUILIBRIUM, None, is_measured=not is_dragging)
+        return replace(frame, seconds=preview.seconds, is_again=True)
+
+    def pose(self, seq: int) -> TargetPose | None:
+        """The motion that lays the target on the last frame; None without either."""
+        if self._last is None or self._target is None:
+            return None
+        view, frame = self._last
+        return self._target.pose(seq, frame.arrays["positions"], view.triangles)
 
     def _frame(
         self, view: SheetView, preview: Preview, seq: int, stage: str, x: Floats | None, is_measured: bool
     ) -> Frame:
-        self._last_view, self._shown_seq, self._shown_stage = view, seq, stage
         frame = view.frame(preview, seq, stage, x, self._parts.smooth)
-        if self._target is None or not is_measured:
-            return frame
-        return replace(frame, target=self._target.distance(frame.positions, view.weights))
+        if self._target is not None and is_measured:
+            frame = self._target.measured(frame, view.weights)
+        self._last = view, frame
+        return frame
 
     def _view(self, preview: Preview, view: SheetView | None, is_fine: bool) -> SheetView:
-        """A view of the preview's sheet. Its mesh is sent before the first frame, and again with other arms."""
-        if view is None or not view.shows(preview):
-            view = SheetView(preview, is_fine)
-        layout = preview.sheet.layout
-        if not view.has_arms_of(layout):
-            self._meshes += 1
-            self._send(view.numbered(self._meshes, layout))
-        return view
+        return view if view is not None and view.shows(preview) else SheetView(preview, is_fine)
+
+
+class SheetView:
+    """The shown mesh of a print, and where the stages of a preview take it.
+
+    Parameters
+    ----------
+    is_fine : with the edges for a sheet at rest.
+
+    Attributes
+    ----------
+    rotation : (3, 3) from the pose of the shell to that shown.
+    """
+
+    def __init__(self, preview: Preview, is_fine: bool) -> None:
+        self._arm_site: Ints = np.empty(0, dtype=np.int64)
+        self._mesh_arrays: dict[str, Array] = {}
+        layout, design = preview.sheet.layout, preview.design
+        spacings = 1 / 12 if is_fine else 1 / 6  # edges of the triangles
+        shortest = float(np.sqrt(layout.area_mm2 / (np.sqrt(0.75) * 30_000)))
+        edge = max(spacings * layout.spacing_mm, shortest)
+        mesh = mesh_layout(layout, edge, design.mesh.kind, design.mesh.seed, draft=True)
+        self.printed, self.triangles = mesh.points, mesh.triangles
+        self._print = layout.edges, design.lattice
+        self._follow(preview)
+
+    def _follow(self, preview: Preview) -> None:
+        """See the sheet of a preview that has the same edges and lattice."""
+        # previews of one print share its space, but a lens shows the preview that made it
+        self._preview, self._space = preview, preview.sheet.space
+        self._lens = preview.lens(self.printed)
+        self._marks = SheetMarks(self.printed, self.triangles)
+        self.rotation = np.eye(3)
+
+    def shows(self, preview: Preview) -> bool:
+        """Whether the mesh is one of the preview's sheet; frames are then of this preview."""
+        edges, lattice = self._print
+        if preview is self._preview and preview.sheet.space is self._space:
+            return True
+        if lattice != preview.design.lattice or not edges.equals(preview.sheet.layout.edges):
+            return False
+        self._follow(preview)
+        return True
+
+    def stand_up(self, preview: Preview, x: Floats | None = None) -> None:
+        """Choose the pose of a free sheet anew: principal axes along x, y and z. Later stages keep it."""
+        self.rotation = np.eye(3)
+        if preview.sheet.layout.pins:
+            return
+        positions = self._lens(x).bumpy
+        self.rotation = upright_rotation(
+            self.printed, positions, self.weights, triangle_normals(positions, self.triangles).sum(axis=0)
+        )
+
+    def frame(self, preview: Preview, seq: int, stage: str, x: Floats | None = None, has_smooth: bool = False) -> Frame:
+        """A stage with positions x (N, 3) of the shell's dofs; by default what the preview shows.
+
+        With `has_smooth`, the frame also holds the sheet without its bumps.
+        """
+        layout, fabric = preview.sheet.layout, preview.design.fabric
+        arm_site = self._marks.stations(layout).site
+        if not self._mesh_arrays or not np.array_equal(arm_site, self._arm_site):
+            self._arm_site = arm_site
+            self._mesh_arrays = self._marks.mesh_arrays(layout)
+        places = self._lens(x)
+        positions, smooth = places.bumpy, places.smooth if has_smooth else None
+        if not layout.pins:
+            middle = self.weights @ positions
+            positions = (positions - middle) @ self.rotation.T
+            lowest = positions[:, 2].min()
+            positions[:, 2] -= lowest
+            if smooth is not None:
+                smooth = (smooth - middle) @ self.rotation.T - (0.0, 0.0, lowest)
+        stretch_x, stretch_y = fabric.stretch_xy
+        arrays = self._marks.arrays(layout, positions)
+        arrays |= smooth_arrays(places.surface.mean_curvature, places.surface.area * stretch_x * stretch_y - 1.0)
+        if smooth is not None:
+            arrays |= self._marks.arrays(layout, smooth, "smooth")
+        return Frame(
+            seq,
+            stage,
+            arrays,
+            self._mesh_arrays,
+            is_minimum=bool(stage == EQUILIBRIUM and preview.equilibrium.is_minimum),
+            height_mm=float(np.ptp(positions[:, 2])),
+        )
+
+    @cached_property
+    def weights(self) -> Floats:
+        """(V,) share of the printed sheet that each vertex stands for."""
+        areas = sum_at_vertices(
+            self.triangles, np.repeat(triangle_areas(self.printed, self.triangles), 3), len(self.printed)
+        )
+        return np.asarray(areas / areas.sum())
 
 
 class TargetComparison:
@@ -129,11 +206,12 @@ class TargetComparison:
         self._triangles = np.asarray(target.triangles, dtype=np.int64)
         self._nearest = NearestOnSurface(self._vertices, self._triangles)
 
-    def distance(self, positions: Floats, weights: Floats) -> TargetDistance:
-        """Distances of places (V, 3) mm of a sheet; each stands for a share (V,) of the sheet."""
-        away = np.abs(self._nearest(np.asarray(positions, dtype=float)).distance)
+    def measured(self, frame: Frame, weights: Floats) -> Frame:
+        """A frame with its distances from the target; each vertex stands for a share (V,) of the sheet."""
+        away = np.abs(self._nearest(np.asarray(frame.arrays["positions"], dtype=float)).distance)
         rms = float(np.sqrt(weights @ away**2 / weights.sum()))
-        return TargetDistance(away.astype(np.float32), rms, float(away.max()), self._version)
+        numbers = {"rms_mm": rms, "max_mm": float(away.max()), "version": self._version}
+        return replace(frame, arrays=frame.arrays | {"target": away.astype(np.float32)}, target=numbers)
 
     def pose(self, seq: int, positions: Floats, triangles: Ints) -> TargetPose:
         """The motion that lays the target on a sheet with vertices (V, 3) mm and triangles (T, 3)."""

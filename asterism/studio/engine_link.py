@@ -7,8 +7,7 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from asterism.studio.child import ENGINE, Child, StartedProcess
-from asterism.studio.inbox import merged
+from asterism.studio.child import ENGINE, Child
 from asterism.studio.messages import (
     Busy,
     Cancel,
@@ -19,9 +18,7 @@ from asterism.studio.messages import (
     Ready,
     ShapeSummary,
     ShowForm,
-    ShownMesh,
     Sign,
-    Stop,
     StudioProblem,
     TargetPose,
 )
@@ -54,17 +51,15 @@ class EngineLink:
         target: str = ENGINE,
         keeps_spare: bool = True,
         max_silence_s: float = 5.0,
-        first: StartedProcess | None = None,
+        first: Child | None = None,
     ) -> None:
         self.max_silence_s = max_silence_s
         self._first = first
         self._receive, self._changed, self._target, self._keeps_spare = receive, changed, target, keeps_spare
-        self._known: Edit | None = None  # all that an engine has been given so far, for the next engine
+        self._known: Edit | None = None  # the last one, with the form of its shape, for the next engine
         self._parts: Parts | None = None
         self._deaths = 0
         self._loaded: set[Child] = set()
-        self._last_mesh = 0
-        self._mesh_offset = 0  # every engine counts its meshes from 1; pages need one number a mesh
         self._owes: int | None = None  # seq of the last edit without an answer
         self._search: str | None = None  # the search that was asked for last, if nothing was asked for since
         self._asked = time.monotonic()
@@ -73,13 +68,13 @@ class EngineLink:
         self._child = self._start()
 
     def _start(self) -> Child:
-        started, self._first = self._first or StartedProcess(self._target), None
-        return Child(started, self._message, self._died)
+        child, self._first = self._first or Child(self._target), None
+        return child.listen(self._message, self._died)
 
     def edit(self, edit: Edit) -> None:
         """Show a design; the newest edit wins."""
-        whole = edit if self._known is None else merged(self._known, edit)
-        self._known = replace(whole, is_dragging=False)
+        snapshot = edit.snapshot if edit.is_opened or self._known is None else self._known.snapshot
+        self._known = replace(edit, is_dragging=False, snapshot=snapshot)
         self._deaths = 0
         self.ask(edit)
 
@@ -124,11 +119,10 @@ class EngineLink:
         if isinstance(message, Ready):
             self._set("computing" if self._owes is not None else "ready")
             self._start_spare()
-        if isinstance(message, Frame) and message.snapshot is not None:
-            self._keep_form(message.seq, message.snapshot)
-        if isinstance(message, Frame | ShownMesh):
-            message = replace(message, mesh=message.mesh + self._mesh_offset)
-            self._last_mesh = max(self._last_mesh, message.mesh)
+        if isinstance(message, Frame):
+            known = self._known
+            if known is not None and message.snapshot is not None and message.seq >= known.seq:
+                self._known = replace(known, snapshot=message.snapshot)  # no other design was opened since
         answers = isinstance(message, StudioProblem | ShapeSummary | TargetPose) or (
             isinstance(message, Frame) and message.stage != "linear"
         )
@@ -138,11 +132,6 @@ class EngineLink:
         self._receive(message)
         if is_last and self._owes is None:
             self._set("ready")  # after the answer: pages are never told that an older shape is the last one
-
-    def _keep_form(self, seq: int, snapshot: bytes) -> None:
-        """The next engine goes on from this form, unless another design was opened since."""
-        if self._known is not None and seq >= self._known.seq:
-            self._known = replace(self._known, snapshot=snapshot)
 
     def _start_spare(self) -> None:
         if self._keeps_spare and self._spare is None and self._child in self._loaded:
@@ -165,7 +154,6 @@ class EngineLink:
     def _replace(self, why: str) -> None:
         self._child.kill()
         self._loaded.discard(self._child)
-        self._mesh_offset = self._last_mesh
         self._deaths += 1
         owed, self._owes = self._owes, None
         self._child, self._spare = self._spare or self._start(), None
@@ -186,5 +174,4 @@ class EngineLink:
         """End the engine and its spare."""
         for child in (self._child, self._spare):
             if child is not None:
-                child.send(Stop())
                 child.close()

@@ -15,8 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from asterism.equilibrium.arrays import Array
-from asterism.studio.messages import Frame, ShownMesh
+from asterism.studio.messages import Frame
 
 MESH, SHAPE, KEPT = 1, 2, 3
 _DTYPES = {"f": "f4", "u": "u4", "i": "u4", "b": "u1"}
@@ -27,15 +26,17 @@ def pack(kind: int, header: Mapping[str, Any], arrays: Mapping[str, Any]) -> byt
 
     Parameters
     ----------
-    arrays : floats are sent as 4 bytes, whole numbers as unsigned 4 bytes, int8 and uint8 as they are.
+    arrays : floats are sent as 4 bytes, whole numbers as unsigned 4 bytes, uint8 as they are; of unit vectors, whose
+        name ends with `normals`, as int8 up to 127.
 
     Examples
     --------
-    >>> kind, header, arrays = unpack(pack(MESH, {"mesh": 3}, {"printed": [[1.0, 2.0]]}))
-    >>> kind, header["mesh"], arrays["printed"].tolist()
-    (1, 3, [[1.0, 2.0]])
+    >>> frame = pack(MESH, {"mesh": 3}, {"printed": [[1.0, 2.0]]})
+    >>> kind, length = struct.unpack_from("<II", frame)
+    >>> kind, json.loads(frame[8 : 8 + length])["mesh"], np.frombuffer(frame[8 + length :], "<f4").tolist()
+    (1, 3, [1.0, 2.0])
     """
-    blocks = {name: _block(values) for name, values in arrays.items()}
+    blocks = {name: _block(name, values) for name, values in arrays.items()}
     listed = [
         {"name": name, "dtype": values.dtype.str[1:], "shape": list(values.shape), "offset": 0}
         for name, values in blocks.items()
@@ -52,65 +53,14 @@ def pack(kind: int, header: Mapping[str, Any], arrays: Mapping[str, Any]) -> byt
     return struct.pack("<II", kind, length) + text + body
 
 
-def unpack(frame: bytes) -> tuple[int, dict[str, Any], dict[str, Any]]:
-    """Kind, header and arrays of a frame."""
-    kind, length = struct.unpack_from("<II", frame)
-    header = json.loads(frame[8 : 8 + length])
-    arrays = {}
-    for entry in header.pop("arrays"):
-        count = int(np.prod(entry["shape"], dtype=np.int64))
-        flat = np.frombuffer(frame, np.dtype("<" + entry["dtype"]), count, entry["offset"])
-        arrays[entry["name"]] = flat.reshape(entry["shape"])
-    return kind, header, arrays
-
-
-def _block(values: Any) -> Any:
+def _block(name: str, values: Any) -> Any:
     array = np.asarray(values)
+    if name.endswith("normals"):
+        array = np.rint(127.0 * array).astype(np.int8)
     kept = array.dtype.itemsize == 1 and array.dtype.kind in "iu"
     return np.ascontiguousarray(array if kept else array.astype("<" + _DTYPES[array.dtype.kind]))
 
 
-def mesh_bytes(mesh: ShownMesh) -> bytes:
-    """The binary frame of a mesh."""
-    arrays = {
-        "printed": mesh.printed,
-        "triangles": mesh.triangles,
-        "outline": mesh.outline,
-        "arm_site": mesh.arm_site,
-    }
-    return pack(MESH, {"mesh": mesh.mesh}, arrays)
-
-
-def frame_parts(frame: Frame) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Header and arrays of the binary frame of a shape."""
-    header: dict[str, Any] = {
-        "stage": frame.stage,
-        "height_mm": float(frame.height_mm),
-        "is_minimum": bool(frame.is_minimum),
-        "seconds": frame.seconds,
-    }
-    arrays = {
-        "positions": frame.positions,
-        "curvature": frame.curvature,
-        "strain": frame.strain,
-        "arms": frame.arms,
-        "arm_normals": _whole(frame.arm_normals),
-        "needles": frame.needles,
-    }
-    for name, part in (("smooth", frame.smooth), ("before", frame.before)):
-        if part is not None:
-            arrays |= {
-                name: part.positions,
-                f"{name}_arms": part.arms,
-                f"{name}_arm_normals": _whole(part.arm_normals),
-                f"{name}_needles": part.needles,
-            }
-    if (target := frame.target) is not None:
-        arrays["target"] = target.distance
-        header["target"] = {"rms_mm": target.rms_mm, "max_mm": target.max_mm, "version": target.version}
-    return header, arrays
-
-
-def _whole(normals: Array) -> Array:
-    """Unit vectors as whole numbers up to 127."""
-    return np.rint(127.0 * np.asarray(normals)).astype(np.int8)
+def mesh_bytes(frame: Frame) -> bytes:
+    """The binary frame of the mesh of a shape."""
+    return pack(MESH, {"mesh": frame.mesh}, frame.mesh_arrays)

@@ -52,7 +52,6 @@ class History:
     --------
     >>> history = History({"name": "a"})
     >>> history.push({"name": "b"}, "name")
-    1
     >>> history.go(0).table, history.can_undo, history.go(1).table
     ({'name': 'a'}, False, {'name': 'b'})
     """
@@ -88,20 +87,18 @@ class History:
         """All states, oldest first."""
         return tuple(self._steps)
 
-    def push(self, table: dict[str, Any], label: str) -> int:
-        """Append a state after the shown one, drop those that were undone, and return its revision."""
+    def push(self, table: dict[str, Any], label: str) -> None:
+        """Append a state after the shown one, and drop those that were undone."""
         self._undone = self._steps[self.position + 1 :]
         del self._steps[self.position + 1 :]
         self._steps.append(self._step(table, label))
         if len(self._steps) > 10_000:
             del self._steps[1]  # the first state stays: undoing everything gives it
         self.position = len(self._steps) - 1
-        return self.shown.revision
 
-    def replace(self, table: dict[str, Any]) -> int:
-        """Put another table in place of the shown state, and return its revision."""
+    def replace(self, table: dict[str, Any]) -> None:
+        """Put another table in place of the shown state."""
         self._steps[self.position] = self._step(table, self.shown.label)
-        return self.shown.revision
 
     def drop(self) -> None:
         """Take back the last `push`, as if it had not been made."""

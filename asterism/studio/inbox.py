@@ -1,21 +1,34 @@
-"""What an engine has been asked for and has not begun yet; the newest edit replaces older ones."""
+"""What an engine has been asked for and has not begun yet, and when that ends the work on what came before."""
 
 from __future__ import annotations
 
 import threading
+import time
 from collections import deque
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-from asterism.studio.messages import Cancel, Edit, Parts, Stop
+from asterism.previews.session import SearchLimitError
+from asterism.studio.messages import Busy, Cancel, Edit, Parts
+
+STALE_S = 0.4  # a search that has taken longer ends when a newer edit waits
+# processor time of a search: while the pointer is down, and after other edits
+MAX_DRAGGED_SEARCH_S = 2.5
+MAX_SEARCH_S = 20.0
+SIGN_EVERY_S = 2.0  # of life, in long searches
+# processor time of a step between two checks, after which it counts as a loop without end
+MAX_STEP_S = 5.0
+# of a step that is announced, or at rest
+MAX_LONG_STEP_S = 30.0
 
 
-def merged(known: Edit, new: Edit) -> Edit:
-    """A new edit; what it leaves out is as in an earlier one, also the form, unless another design is opened."""
-    fields = ("design", "sites", "sizes_mm", "removed")
-    kept = {name: getattr(known, name) for name in fields if getattr(new, name) is None}
-    return replace(new, snapshot=new.snapshot if new.is_opened else known.snapshot, **kept)
+class Superseded(Exception):
+    """A newer message waits, and the work on an older one ends."""
+
+
+class Cancelled(Exception):
+    """The work on a message was broken off."""
 
 
 class Inbox:
@@ -39,10 +52,7 @@ class Inbox:
     def _read(self, receive: Callable[[], Any]) -> None:
         try:
             while True:
-                message = receive()
-                if isinstance(message, Stop):
-                    break
-                self._put(message)
+                self._put(receive())
         except (EOFError, OSError):
             pass
         with self._changed:
@@ -55,10 +65,11 @@ class Inbox:
                 self._cancelled = max(self._cancelled, message.seq)
             elif isinstance(message, Parts):
                 self._parts = message
-            elif isinstance(message, Edit) and self._waiting and isinstance(self._waiting[-1], Edit):
-                is_opened = message.is_opened or self._waiting[-1].is_opened
-                self._waiting[-1] = replace(merged(self._waiting[-1], message), is_opened=is_opened)
             else:
+                if isinstance(message, Edit) and self._waiting and isinstance(self._waiting[-1], Edit):
+                    last = self._waiting.pop()
+                    if not message.is_opened:  # a design that waits to be opened is opened, in its form
+                        message = replace(message, is_opened=last.is_opened, snapshot=last.snapshot)
                 self._waiting.append(message)
             self._changed.notify_all()
 
@@ -93,3 +104,88 @@ class Inbox:
     def is_cancelled(self, seq: int) -> bool:
         """Whether the work on a message was broken off."""
         return seq <= self._cancelled
+
+
+class SearchBounds:
+    """Watches the work on one message at a time.
+
+    Parameters
+    ----------
+    inbox : where newer messages wait.
+    send : passes a sign of life on.
+    clock : seconds, without those in which loops are compiled.
+
+    Attributes
+    ----------
+    seq : of the message.
+    longest_s : processor time that the work may take.
+    """
+
+    def __init__(self, inbox: Inbox, send: Callable[[Any], None], clock: Callable[[], float]) -> None:
+        self._inbox, self._send, self._clock = inbox, send, clock
+        self._was_stale = False
+        self.begin(0)
+
+    def begin(self, seq: int, yields: bool = False) -> None:
+        """Begin the work on a message; work that yields ends when another one waits, and is not cancelled."""
+        self.seq, self.longest_s, self._yields = seq, MAX_SEARCH_S, yields
+        self._begun, self.last_sign, self._waits = self._clock(), time.monotonic(), False
+        self._start()
+        self.go_on()
+
+    def _start(self) -> None:
+        """The search begins, or goes on after a long step that does not count."""
+        self._searching_from = self._clock()
+        self._worked, self._compiled = time.thread_time(), time.perf_counter() - self._clock()
+
+    def wait(self) -> None:
+        """A long step begins that is no search, as when cells are solved: its time does not count, until `check`."""
+        self._waits = True
+        self.go_on(MAX_LONG_STEP_S)
+
+    def go_on(self, step_s: float | None = None) -> None:
+        """The work is not stuck: a step begins, which may take so much processor time; at rest, steps are longer."""
+        usual = MAX_LONG_STEP_S if self._yields else MAX_STEP_S
+        self._step_ends = time.process_time() + (usual if step_s is None else step_s)
+
+    @property
+    def is_stuck(self) -> bool:
+        """Whether a step takes too long; on a busy machine or without a processor it takes no time."""
+        return time.process_time() > self._step_ends
+
+    def end(self, is_superseded: bool) -> None:
+        """End the work, in favour of a newer message or with an answer."""
+        self._was_stale = is_superseded and not self._yields
+
+    @property
+    def seconds(self) -> float:
+        """Since the work began."""
+        return self._clock() - self._begun
+
+    def check(self) -> None:
+        """Called in each Newton iteration, in the thread that computes.
+
+        Raises
+        ------
+        Superseded, Cancelled, SearchLimitError
+            The work ends.
+        """
+        self.go_on()
+        if self._waits:
+            self._waits = False
+            self._start()
+        if self._inbox.is_closed or (not self._yields and self._inbox.is_cancelled(self.seq)):
+            raise Cancelled
+        if self._inbox.has_waiting and self._yields:
+            raise Superseded
+        # longer if the search before it has ended so
+        if self.seconds > (2.0 if self._was_stale else STALE_S) and self._inbox.has_waiting_edit:
+            raise Superseded
+        compiled = time.perf_counter() - self._clock() - self._compiled
+        worked = time.thread_time() - self._worked - compiled
+        # largest ratio of wall time to processor time: other programs may use the cores as well
+        if worked > self.longest_s or self._clock() - self._searching_from > 3.0 * self.longest_s:
+            raise SearchLimitError(f"no equilibrium within {self.longest_s:g} s; the shape is that before the edit")
+        if time.monotonic() - self.last_sign > SIGN_EVERY_S:
+            self._send(Busy(self.seq, f"searching for the equilibrium, {self.seconds:.0f} s"))
+            self.last_sign = time.monotonic()

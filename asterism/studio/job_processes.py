@@ -1,8 +1,8 @@
-"""The jobs of the studio, such as verification, fit and export, each in a process of its own.
+"""What the processes of the studio beside the engine do: one computes exact shapes and stays, others do one job each.
 
-To cancel a job, the server ends its process. A function imports what its job needs: the solvers take most of a second.
-It is called with the process's end of a pipe, the number of the job, and the arguments that its docstring names. The
-pipe gets `JobProgress` and at the end the message that the function returns, or `StudioProblem`.
+A function imports what it needs: the solvers take most of a second. The body of a job is called with the process's end
+of a pipe, the number of the job, and the arguments that its docstring names. The pipe gets `JobProgress` and at the end
+the message that the function returns, or `StudioProblem`. To cancel a job, the server ends its process.
 """
 
 from __future__ import annotations
@@ -24,15 +24,12 @@ from asterism.equilibrium.errors import Error
 from asterism.pattern.design.design import Design
 from asterism.results.words import shape_in_words
 from asterism.studio.answers import engine_problem
-from asterism.studio.messages import Fitted, JobProgress, Settled, Surface, Written
+from asterism.studio.messages import Fitted, JobProgress, Released, Settle, Settled, Surface, Written
 from asterism.studio.requests import Hold
-from asterism.studio.weights import SheetWeights
+from asterism.studio.target import SheetWeights
 
 if TYPE_CHECKING:
     from asterism.shape.shape import Shape
-
-
-ANIMATION_PX = (1200, 900)
 
 
 class ProgressSender:
@@ -90,12 +87,12 @@ def job(stage: str) -> Callable[[Callable[..., Settled | Fitted | Written]], Cal
 def settled(
     number: int, exact: Shape, near: Shape | None, pose: tuple[Array, Array] | None = None, smooth: bool = False
 ) -> Settled:
-    """The message with an exact shape. The number of the mesh is negative, unlike those of the engine."""
+    """The message with an exact shape."""
     from asterism.studio.answers import exact_summary
-    from asterism.studio.sheet_frames import settled_messages
+    from asterism.studio.sheet_frames import exact_frame
 
-    mesh, frame = settled_messages(exact, near, pose, -number, smooth)
-    return Settled(number, mesh, frame, exact_summary(exact), pickle.dumps(exact))
+    frame = exact_frame(exact, near, pose, smooth)
+    return Settled(number, frame, exact_summary(exact), pickle.dumps(exact))
 
 
 @job("design")
@@ -221,7 +218,7 @@ def run_animation(progress: ProgressSender, number: int, out: str, exact: bytes)
 
     path = Path(out)
     title = path.stem.removesuffix("-release")
-    write_file(path, release_gif(pickle.loads(exact), "oblique", ANIMATION_PX, False, title))
+    write_file(path, release_gif(pickle.loads(exact), "oblique", (1200, 900), False, title))
     return _written(number, path)
 
 
@@ -241,3 +238,127 @@ def run_spread(progress: ProgressSender, number: int, out: str, exact: bytes) ->
         draw_spread(summary.spread, summary["design"]["name"], folder / path.name)
     warnings = tuple(line for line in summary["warnings"] if line not in known)
     return _written(number, path, {"rows": summary.spread.rows_in_words()}, warnings)
+
+
+class _Newer(BaseException):
+    """The shape is not wanted any more; no handler of errors on the way may keep it."""
+
+
+def run_settling(connection: Connection) -> None:
+    """Compute one exact shape after the other; a further message ends the one under way.
+
+    Parameters
+    ----------
+    connection : the process's end of a pipe. It gets `Settle`, or None for no shape, and gives `JobProgress`, then
+        `Settled` or `StudioProblem`, and then `Released` if that is asked for.
+    """
+    from asterism.exact.simulation import exact_shape
+    from asterism.pattern import gallery
+
+    exact_shape(gallery.load("star"))  # loads the compiled loops
+    known: ExactForms | None = None
+    while True:
+        order: Settle | None = connection.recv()
+        if order is None or connection.poll():
+            continue
+        design: Design | None = None
+        try:
+            design = Design.from_dict(order.table, order.folder)
+            if known is None or not known.is_of(order):
+                known = ExactForms(order, design, connection)
+            connection.send(known.settled(order))
+            # the release begins when the exact shape has been left alone for a second
+            if order.release and (known.has_release or not connection.poll(1.0)):
+                connection.send(known.released(order))
+        except _Newer:
+            continue
+        except Exception as error:
+            connection.send(engine_problem(order.job, error, design))
+
+
+class ExactForms:
+    """The exact shape that follows the preview of a design, and the one that its release from the flat print leads to.
+
+    Parameters
+    ----------
+    order : with the preview.
+    design : the same design.
+    connection : gets the progress; a message in it ends the computation.
+
+    Raises
+    ------
+    Error
+        The design has no exact shape.
+    """
+
+    def __init__(self, order: Settle, design: Design, connection: Connection) -> None:
+        from asterism.exact.simulation import shared_search
+        from asterism.pattern.layout.build import layout
+
+        self._order, self._design, self._connection = order, design, connection
+        self._plan = layout(design)
+        self._near: Shape | None = None if order.near is None else pickle.loads(order.near)
+        self._search = shared_search(design, self._plan)
+        self._exact = self._solved("exact shape", order.job, self._near)
+        self._release: tuple[Released, Shape | None] | None = None  # with the other shape
+
+    def is_of(self, order: Settle) -> bool:
+        """Whether an order is about the same design and preview."""
+        return self._order.near == order.near and self._order.table == order.table
+
+    @property
+    def has_release(self) -> bool:
+        """Whether the release is known already."""
+        return self._release is not None
+
+    def settled(self, order: Settle) -> Settled:
+        """The exact shape that follows the preview."""
+        return self._message(order, self._exact)
+
+    def released(self, order: Settle) -> Released:
+        """The shape that the release from the flat print leads to."""
+        self._release = release, shape = self._release or self._released_from_print(order.job)
+        other = None if shape is None else self._message(order, shape)
+        return replace(release, job=order.job, other=other)
+
+    def _released_from_print(self, job: int) -> tuple[Released, Shape | None]:
+        from asterism.discrete.release.forms import SAME_FORM_PERCENT
+        from asterism.pattern.layout.symmetries import symmetries
+        from asterism.verification.minima import gap, same_minimum
+
+        exact = self._exact
+        try:
+            shape = self._solved("release", job, None)
+        except (Error, FloatingPointError):
+            return Released(job, None), None
+        if not shape.summary["is_minimum"]:
+            return Released(job, None), None
+        same = symmetries(self._design, self._plan)
+        is_same, between = same_minimum(exact, shape, self._plan, same, self._design.gravity.pull)
+        if is_same or (not exact.summary["is_minimum"] and between.rms_percent < SAME_FORM_PERCENT):
+            return Released(job, True), None
+        sign = 1.0 if shape.summary["energy_n_mm"] >= exact.summary["energy_n_mm"] else -1.0
+        percent = sign * 100.0 * gap(exact.summary, shape.summary)
+        return Released(job, False, None, percent, between.rms_percent), shape
+
+    def _solved(self, stage: str, job: int, near: Shape | None) -> Shape:
+        from asterism.exact.simulation import exact_shape
+        from asterism.verification.progress import ExactProgress
+
+        counted = ExactProgress(stage, ProgressSender(self._connection, job))
+
+        def watched(name: str, iteration: Any) -> None:
+            if self._connection.poll():
+                raise _Newer
+            counted.report(name, iteration)
+
+        return exact_shape(self._design, report=watched, near=near, plan=self._plan, shared=self._search)
+
+    def _message(self, order: Settle, shape: Shape) -> Settled:
+        from asterism.studio.engine_frames import TargetComparison
+
+        message = settled(order.job, shape, self._near, order.pose, order.parts.smooth)
+        if order.parts.target is None:
+            return message
+        compared = TargetComparison(order.parts.target, order.parts.version)
+        return replace(message, frame=compared.measured(message.frame, shape.weights))

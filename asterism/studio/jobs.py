@@ -6,20 +6,18 @@ import asyncio
 from contextlib import suppress
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from asterism.pattern.design.files import plain
 from asterism.results.files import clear_unfinished
 from asterism.studio import requests as ask
-from asterism.studio.child import Child, StartedProcess
+from asterism.studio.child import Child
 from asterism.studio.document import Document
-from asterism.studio.engine_requests import StudioOwner
-from asterism.studio.messages import VERIFIED, Fitted, JobProgress, Settled, StudioProblem, Written
-from asterism.studio.page_data import elsewhere, engine_problem_data, failure_data
+from asterism.studio.messages import Fitted, JobProgress, Settled, StudioProblem, Written
+from asterism.studio.page_data import elsewhere, problem_data
 from asterism.studio.requests import Request, RequestError
-from asterism.studio.settling import job_numbers
-from asterism.studio.target import Target
-from asterism.studio.weights import sheet_weights
+from asterism.studio.shape_requests import StudioOwner, job_numbers
+from asterism.studio.target import Target, sheet_weights
 
 PROCESSES = {
     "verify": "asterism.studio.job_processes:run_verification",
@@ -29,16 +27,6 @@ PROCESSES = {
     "animate": "asterism.studio.job_processes:run_animation",
     "spread": "asterism.studio.job_processes:run_spread",
 }
-
-
-class JobOwner(StudioOwner, Protocol):
-    """What a job needs of the studio."""
-
-    folder: Path
-    printer: str
-    lock: asyncio.Lock
-
-    async def accept(self, snapshot: bytes | None = None) -> None: ...
 
 
 @dataclass
@@ -53,7 +41,6 @@ class RunningJob:
     folders : that the job may make.
     """
 
-    number: int
     kind: str
     document: Document
     revision: int
@@ -80,7 +67,7 @@ class RunningJob:
 class JobRequests:
     """Starts jobs, each in a process of its own, and sends their progress and their results to all pages."""
 
-    def __init__(self, studio: JobOwner) -> None:
+    def __init__(self, studio: StudioOwner) -> None:
         self._studio = studio
         self._running: RunningJob | None = None
         self._taking: asyncio.Task[None] | None = None  # shows the result of a fit
@@ -93,28 +80,23 @@ class JobRequests:
         RequestError
             Another job is running, or an option does not exist.
         """
-        table, folder, stem = document.table, document.path.parent, document.path.stem
-        exact = self._studio.shown.exact_of(document.revision)
+        studio, folder, stem = self._studio, document.path.parent, document.path.stem
+        verified, printed = (folder / f"{stem}{end}" for end in ("-verified", "-print"))
+        table, sheet, target = (document.table, str(folder)), studio.shown.sheet, studio.parts.target
+        exact = studio.shown.exact_of(document.revision)
         arguments: tuple[Any, ...]
         match request:
-            case ask.Simple(type="verify"):
-                out, pose = str(folder / f"{stem}{VERIFIED}"), self._studio.shown.sheet
-                kind, arguments = "verify", (table, str(folder), out, pose)
-            case ask.FitRequest():
-                target = self._studio.parts.target
+            case ask.Simple(type="verify" as kind):
+                arguments = (*table, str(verified), sheet)
+            case ask.FitRequest(type=kind):
                 if target is None:
                     raise RequestError("target: send a file first")
-                weights = sheet_weights(table, document.layout, self._studio.shown.sheet, target)
-                printer = self._studio.printer
-                kind, arguments = "fit", (target.surface_of_file, target.name, request.hold, printer, weights)
-            case ask.ExportRequest():
-                options = {"printer": self._studio.printer, **request.options}
-                out = str(folder / f"{stem}-print")
-                kind, arguments = "export", (table, str(folder), out, options, exact)
-            case ask.Simple(type="report"):
-                printer = self._studio.printer
-                out = str(folder / f"{stem}.pdf")
-                kind, arguments = "report", (table, str(folder), out, printer, exact)
+                weights = sheet_weights(document.table, document.layout, sheet, target)
+                arguments = (target.surface_of_file, target.name, request.hold, studio.printer, weights)
+            case ask.ExportRequest(type=kind):
+                arguments = (*table, str(printed), {"printer": studio.printer, **request.options}, exact)
+            case ask.Simple(type="report" as kind):
+                arguments = (*table, str(folder / f"{stem}.pdf"), studio.printer, exact)
             case ask.Simple(type="animate" | "spread" as kind):
                 if exact is None:
                     raise RequestError("this is about the exact shape: wait until it is there")
@@ -126,16 +108,14 @@ class JobRequests:
             raise RequestError("wait for the running job, or cancel it")
         number = next(job_numbers)
         # at low priority
-        child = Child(StartedProcess(PROCESSES[kind], (number, *arguments), 10), self._message, self._died)
+        child = Child(PROCESSES[kind], (number, *arguments), 10).listen(self._message, self._died)
         progress = JobProgress(number, "starting", 0, 0, 0.0)
-        at_begin = self._studio.parts.target
-        folders = tuple(folder / f"{stem}{end}" for end in (VERIFIED, "-print"))
-        self._running = RunningJob(number, kind, document, document.revision, at_begin, child, progress, folders)
+        self._running = RunningJob(kind, document, document.revision, target, child, progress, (verified, printed))
 
     def cancel(self) -> None:
         """End the running job."""
         if (job := self._end()) is not None:
-            self._studio.tell({"type": "result", "job": job.kind, "cancelled": True})
+            self._studio.tabs.tell({"type": "result", "job": job.kind, "cancelled": True})
             self._studio.tell_state()
 
     def _end(self) -> RunningJob | None:
@@ -165,7 +145,7 @@ class JobRequests:
         if job is not None and child is job.child:
             self._running = None
             job.clear()
-            self._tell(job, StudioProblem(job.number, "ended", f"the {job.kind} ended unexpectedly"))
+            self._tell(job, StudioProblem(job.progress.job, "ended", f"the {job.kind} ended unexpectedly"))
 
     def _tell(self, job: RunningJob, message: Any) -> None:
         """Pass on a message of a job. A failure becomes a message of its own, since no caller handles an exception."""
@@ -173,7 +153,7 @@ class JobRequests:
         try:
             self._pass_on(job, message)
         except Exception as error:
-            self._fail(job, failure_data(error, None, f"a message of the job {job.kind}"))
+            self._fail(job, problem_data(error, None, work=f"a message of the job {job.kind}"))
             studio.tell_state()
 
     def _pass_on(self, job: RunningJob, message: Any) -> None:
@@ -181,10 +161,10 @@ class JobRequests:
         other = None if job.document is studio.document else job.document.path.stem
         match message:
             case JobProgress():
-                studio.tell({"type": "progress", **job.progress_data})
+                studio.tabs.tell({"type": "progress", **job.progress_data})
                 return
             case StudioProblem():
-                problem = engine_problem_data(message)
+                problem = message.data
                 self._fail(job, problem if other is None else elsewhere(problem, f"{other}: {message.text}"))
             case Settled() if other is not None:
                 text = f"The verification of {other} is done; its files are beside that design."
@@ -203,8 +183,8 @@ class JobRequests:
 
     def _fail(self, job: RunningJob, why: dict[str, Any]) -> None:
         """Tell pages that a job has no result to be shown, after the message that says why."""
-        self._studio.tell({**why, "job": job.kind} if why["type"] == "problem" else why)
-        self._studio.tell({"type": "result", "job": job.kind, "failed": True})
+        self._studio.tabs.tell({**why, "job": job.kind} if why["type"] == "problem" else why)
+        self._studio.tabs.tell({"type": "result", "job": job.kind, "failed": True})
 
     def _finish(self, job: RunningJob, summary: dict[str, Any], files: list[Path], warnings: tuple[str, ...]) -> None:
         root = self._studio.folder
@@ -213,7 +193,7 @@ class JobRequests:
             for file in files
             if file.resolve().is_relative_to(root) and file.is_file()
         ]
-        self._studio.tell(
+        self._studio.tabs.tell(
             {
                 "type": "result",
                 "job": job.kind,
@@ -246,8 +226,8 @@ class JobRequests:
                 await studio.accept()
                 studio.parts.pose(fitted, job.target)
                 result = {"revision": document.revision, "summary": plain(fitted.summary)}
-                studio.tell({"type": "result", "job": "fit", **result})
+                studio.tabs.tell({"type": "result", "job": "fit", **result})
             except Exception as error:  # nobody waits for this task: the page is where it can be seen
                 if document.revision != before:
                     document.take_back()
-                self._fail(job, failure_data(error, document.layout, "the result of a fit"))
+                self._fail(job, problem_data(error, document.layout, work="the result of a fit"))

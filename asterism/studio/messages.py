@@ -7,28 +7,23 @@ nothing heavier.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Self
+from functools import cached_property
+from typing import Any
+from zlib import crc32
 
 import numpy as np
 
 from asterism.equilibrium.arrays import Array
 
-# end of the name of a verification's directory
-VERIFIED = "-verified"
-
-
-# kinds of problems that do not concern the shown shape
-ANSWERS = frozenset({"no other side", "no such form", "no target", "search ended"})
-
 
 @dataclass(frozen=True)
 class Edit:
-    """Show this design. Whatever is None stays as in the last edit that gave it.
+    """Show this design.
 
     Attributes
     ----------
     seq : increases; every answer carries the number that it belongs to.
-    design : the table of the design file.
+    design : the table of the design file, without what follows.
     sites, sizes_mm : (n, 2) and (n, 3), all stars with sizes of their own; nan keeps the size of the design's profile.
     removed : (m, 2), all removed stars.
     is_dragging : the pointer is down: coarse mesh, linear response first, no summary.
@@ -38,10 +33,10 @@ class Edit:
     """
 
     seq: int
-    design: dict[str, Any] | None = None
-    sites: Array | None = None
-    sizes_mm: Array | None = None
-    removed: Array | None = None
+    design: dict[str, Any]
+    sites: Array = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
+    sizes_mm: Array = field(default_factory=lambda: np.empty((0, 3)))
+    removed: Array = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
     is_dragging: bool = False
     is_opened: bool = False
     snapshot: bytes | None = None
@@ -103,15 +98,8 @@ class Cancel:
 
 
 @dataclass(frozen=True)
-class Stop:
-    """End the process."""
-
-
-@dataclass(frozen=True)
 class Ready:
-    """The engine has loaded everything, in so many seconds."""
-
-    seconds: float
+    """The engine has loaded everything."""
 
 
 @dataclass(frozen=True)
@@ -137,57 +125,6 @@ class Limits:
 
 
 @dataclass(frozen=True)
-class ShownMesh:
-    """The triangles of the shown surface; sent before the first frame on it.
-
-    Attributes
-    ----------
-    printed : (V, 2) mm.
-    triangles : (T, 3).
-    outline : (E, 2) edges around the sheet and its holes.
-    arm_site : (A,) row of the star's site in the plan, for each ribbon of the frames.
-    """
-
-    mesh: int
-    printed: Array
-    triangles: Array
-    outline: Array
-    arm_site: Array
-
-
-@dataclass(frozen=True)
-class SheetPart:
-    """Another sheet on the mesh of a frame: without its bumps, or the preview beside an exact shape.
-
-    Attributes
-    ----------
-    positions, arms, arm_normals, needles : as those of a `Frame`.
-    """
-
-    positions: Array
-    arms: Array
-    arm_normals: Array
-    needles: Array
-
-
-@dataclass(frozen=True)
-class TargetDistance:
-    """Distances of the sheet from the target.
-
-    Attributes
-    ----------
-    distance : (V,) mm, of the vertices.
-    rms_mm, max_mm : over the sheet, each place by its printed area.
-    version : of the target, as in `Parts`.
-    """
-
-    distance: Array
-    rms_mm: float
-    max_mm: float
-    version: int
-
-
-@dataclass(frozen=True)
 class TargetPose:
     """The motion that lays the target on the shape: `vertices @ rotation.T + shift`.
 
@@ -204,58 +141,48 @@ class TargetPose:
 
 @dataclass(frozen=True)
 class Frame:
-    """A shape on a mesh.
+    """A sheet on a mesh, complete as pages draw it.
 
     Attributes
     ----------
     stage : `printed`, `linear`, `equilibrium` or `exact`.
-    positions : (V, 3) mm.
-    curvature : (V,) 1/mm, mean curvature of the smooth surface.
-    strain : (V,) area of the smooth surface over that of the released sheet, minus 1.
-    arms, arm_normals : (A, K, 3, 3) left and right upper edges of the arms, their middle on the fabric, (A, K, 3).
-    needles : (N, 2, 3) foot and tip; of the tube along a held curve, both ends of a piece.
-    smooth, target : what `Parts` asks for.
-    before : of an exact shape, the preview of its design, at the same vertices and in the same pose.
+    arrays : by their names on the page. `positions` (V, 3) mm. `arms`, `arm_normals` (A, K, 3, 3) left and right upper
+        edges of the arms, their middle on the fabric, (A, K, 3). `needles` (N, 2, 3) foot and tip; of the tube along a
+        held curve, both ends of a piece. `curvature` (V,) 1/mm, mean curvature of the smooth surface. `strain` (V,)
+        area of the smooth surface over that of the released sheet, minus 1. If `Parts` asks for them: `smooth`,
+        `smooth_arms`, ... of the sheet without its bumps, and `target` (V,) mm, distances from the target. Of an exact
+        shape also `before`, `before_arms`, ... of the preview of its design, at the same vertices and in the same pose.
+    mesh_arrays : of the mesh: `printed` (V, 2) mm; `triangles` (T, 3); `outline` (E, 2) edges around
+        the sheet and its holes; `arm_site` (A,) row of the star's site in the plan, for each ribbon.
+    target : `rms_mm` and `max_mm` of the distances over the sheet, each place by its printed area, and the `version` of
+        the target, as in `Parts`.
+    form : index in the last summary, of a form that is not the shown one.
     is_again : a shape that was shown before, with other parts.
     snapshot : the form, to come back to; None for linear stages. It is pickled, since only an engine can read it.
     """
 
     seq: int
-    mesh: int
     stage: str
-    positions: Array
-    curvature: Array
-    strain: Array
-    arms: Array
-    arm_normals: Array
-    needles: Array
+    arrays: dict[str, Array]
+    mesh_arrays: dict[str, Array]
     is_minimum: bool = False
     height_mm: float = 0.0
     seconds: dict[str, float] = field(default_factory=dict)
-    snapshot: bytes | None = None
-    smooth: SheetPart | None = None
-    before: SheetPart | None = None
-    target: TargetDistance | None = None
+    target: dict[str, float] | None = None
+    form: int | None = None
     is_again: bool = False
+    snapshot: bytes | None = None
 
-    @classmethod
-    def of(
-        cls,
-        part: SheetPart,
-        seq: int,
-        mesh: int,
-        stage: str,
-        curvature: Array | None = None,
-        strain: Array | None = None,
-        **rest: Any,
-    ) -> Self:
-        """The frame of a sheet; without curvature and strain that of a flat one, with them 0."""
-        zero = np.zeros(len(part.positions), dtype=np.float32)
-        fields = {"curvature": curvature, "strain": strain}
-        small: dict[str, Any] = {
-            name: zero if values is None else values.astype(np.float32) for name, values in fields.items()
-        }
-        return cls(seq, mesh, stage, **vars(part), **small, **rest)
+    @cached_property
+    def mesh(self) -> int:
+        """A number that only meshes with these arrays have."""
+        return crc32(b"".join(values.tobytes() for values in self.mesh_arrays.values()))
+
+    @property
+    def header(self) -> dict[str, Any]:
+        """What pages get with the arrays."""
+        names = ("stage", "height_mm", "is_minimum", "seconds", *(["target"] if self.target else []))
+        return {name: getattr(self, name) for name in names}
 
 
 @dataclass(frozen=True)
@@ -275,15 +202,6 @@ class Form:
     name: str
     energy_percent: float
     is_shown: bool
-
-
-@dataclass(frozen=True)
-class FormShape:
-    """The shape of a form of the last summary, by its index there, on the coarse mesh."""
-
-    seq: int
-    index: int
-    frame: Frame
 
 
 @dataclass(frozen=True)
@@ -316,6 +234,11 @@ class StudioProblem:
     allowed: str = ""
     stars: tuple[tuple[int, int], ...] = ()
     at_mm: tuple[float, float] | None = None
+
+    @property
+    def data(self) -> dict[str, Any]:
+        """The message `problem` for pages."""
+        return {"type": "problem", **{name: value for name, value in vars(self).items() if name != "seq"}}
 
 
 @dataclass(frozen=True)
@@ -385,7 +308,7 @@ class Settle:
     near : the preview, pickled as in `Rested`; without one the sheet is released from the flat print.
     pose : printed (V, 2) and shown (V, 3) places of the sheet that pages show, mm.
     parts : that the frames hold besides the shape.
-    release_mesh : number of the mesh of the release from the flat print, which follows; None for no release.
+    release : whether the release from the flat print follows.
     """
 
     job: int
@@ -394,7 +317,7 @@ class Settle:
     near: bytes | None
     pose: tuple[Array, Array] | None
     parts: Parts
-    release_mesh: int | None = None
+    release: bool = False
 
 
 @dataclass(frozen=True)
@@ -408,7 +331,6 @@ class Settled:
     """
 
     job: int
-    mesh: ShownMesh
     frame: Frame
     shown: ShapeSummary
     shape: bytes

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Mapping
-from dataclasses import asdict
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -22,10 +21,9 @@ from asterism.print.printer import load_printer, profile_names
 from asterism.studio.design_file import FileChangedError, OtherFileError, ReadOnlyError
 from asterism.studio.document import Document
 from asterism.studio.file_names import shown_path
-from asterism.studio.messages import Limits, StudioProblem, mistake_parts
+from asterism.studio.messages import Limits, mistake_parts
 from asterism.studio.requests import RequestError
-from asterism.studio.star_sizes import entries_by_site
-from asterism.studio.weights import PLAIN_WEIGHT, weights_by_site
+from asterism.studio.star_sizes import PLAIN_WEIGHT, entries_by_site, weights_by_site
 
 DEFAULT_PRINTER = "ultimaker2"
 
@@ -69,7 +67,7 @@ def document_data(document: Document, printer: str, limits: Limits | None) -> di
             "printer": {key: chosen[key] for key in ("name", "area_mm", "frame_mm")},
         },
         "printers": list(printers),
-        "plastics": plastic_names(),
+        "plastics": profile_names("plastics"),
         "limits": limits_data(layout, limits, chosen["rounding"]),
     }
 
@@ -101,18 +99,26 @@ def limits_data(layout: Layout, limits: Limits | None, rounding: dict[str, float
     }
 
 
-def problem_data(error: Exception, layout: Layout | None, seq: int | None = None) -> dict[str, Any]:
-    """The message `problem` of a refused change: one line, and the field, stars and place that it is about.
+def problem_data(
+    error: Exception, layout: Layout | None, seq: int | None = None, work: str = "a request of a page"
+) -> dict[str, Any]:
+    """The message `problem` of whatever has gone wrong: one line, and the field, stars and place that it is about.
+
+    The terminal shows where it is, if nobody has foreseen it.
 
     Parameters
     ----------
     layout : of the design, for the sites of the stars.
     seq : number of the page's message that is refused.
+    work : that went wrong, for the terminal.
     """
     if isinstance(error, BlankSheetError):
         # Previews, exact shapes and prints need stars; the engine shows a sheet without them while the pointer is down.
         text = f"A sheet needs at least one star with an arm of {MIN_ARM_MM:g} mm; the design stays as it is."
         return {"type": "problem", "kind": "no star", "seq": seq, "text": text}
+    if not isinstance(error, Error | OSError):
+        _log.error(work, exc_info=error)
+        error, layout = RuntimeError(f"{SERVER_MISTAKE}: {type(error).__name__}"), None
     rows = np.empty((0, 2)) if layout is None else layout.sheet_sites
     return {
         "type": "problem",
@@ -123,20 +129,6 @@ def problem_data(error: Exception, layout: Layout | None, seq: int | None = None
     }
 
 
-def failure_data(error: Exception, layout: Layout | None, work: str, seq: int | None = None) -> dict[str, Any]:
-    """The message `problem` of whatever has gone wrong; the terminal shows where, if nobody has foreseen it.
-
-    Parameters
-    ----------
-    layout, seq : as for `problem_data`.
-    work : that went wrong, for the terminal.
-    """
-    if isinstance(error, Error | OSError):
-        return problem_data(error, layout, seq)
-    _log.error(work, exc_info=error)
-    return problem_data(RuntimeError(f"{SERVER_MISTAKE}: {type(error).__name__}"), None, seq)
-
-
 def opening_problem_data(error: Exception, path: Path | None, seq: int | None) -> dict[str, Any]:
     """The message `problem` of a design that does not open; another one stays open.
 
@@ -145,7 +137,7 @@ def opening_problem_data(error: Exception, path: Path | None, seq: int | None) -
     path : of its file, named in the text; None without one.
     seq : as for `problem_data`.
     """
-    problem = failure_data(error, None, "a request of a page", seq)
+    problem = problem_data(error, None, seq)
     text = problem["text"]
     return elsewhere(problem, text if path is None else f"{path.name}: {text.removeprefix(f'{path}: ')}")
 
@@ -153,11 +145,6 @@ def opening_problem_data(error: Exception, path: Path | None, seq: int | None) -
 def elsewhere(problem: dict[str, Any], text: str) -> dict[str, Any]:
     """The message `problem` of a design that is not open: no field, star or place of the open one is meant."""
     return {**problem, "text": text, "field": "", "stars": (), "at_mm": None}
-
-
-def engine_problem_data(problem: StudioProblem) -> dict[str, Any]:
-    """The message `problem` of an edit or a job that has no answer."""
-    return {"type": "problem", **{name: value for name, value in asdict(problem).items() if name != "seq"}}
 
 
 @cache
@@ -181,11 +168,6 @@ def printer_entries() -> tuple[dict[str, Any], ...]:
             }
         )
     return tuple(entries)
-
-
-def plastic_names() -> list[str]:
-    """Names of the plastics that can be chosen for an export."""
-    return profile_names("plastics")
 
 
 def known_printer(name: str) -> str:

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal, Self
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
+from pydantic import BaseModel, Field
 from scipy.ndimage import gaussian_filter
 from scipy.spatial import cKDTree
 
@@ -21,25 +22,24 @@ STEP_MM = 1.0
 DIGITS = 4
 
 
-@dataclass(frozen=True)
-class Brush:
+class Brush(BaseModel):
     """What a brush does where it is put down.
 
     Attributes
     ----------
     mode : draw values towards `value`, add `value` to them, or draw them towards the mean around them.
     radius : mm.
-    strength : from 0 to 1, share of the way in the middle; it falls to zero at the radius.
+    strength : share of the way in the middle; it falls to zero at the radius.
     value : mm.
     low, high : mm, no value leaves this range.
     """
 
     mode: Literal["set", "add", "smooth"]
-    radius: float
-    strength: float
-    value: float
-    low: float
-    high: float
+    radius: Annotated[float, Field(ge=0.5, le=1000)]
+    strength: Annotated[float, Field(ge=0, le=1)]
+    value: Annotated[float, Field(ge=-100, le=100)] = 0.0
+    low: Annotated[float, Field(ge=0, le=100)]
+    high: Annotated[float, Field(ge=0, le=100)]
 
 
 @dataclass(frozen=True, eq=False)

@@ -75,31 +75,18 @@ class Paint(GestureRequest):
         return {key: values for key, values in given.items() if values is not None}
 
 
-class BrushRequest(GestureRequest):
+class BrushRequest(GestureRequest, Brush):
     """Paint a size of rods.
 
     Attributes
     ----------
     size : that is painted.
     places : printed mm, each with its images under the symmetries of the brush.
-
-    For the others, see `asterism.studio.painted_field.Brush`.
     """
 
     type: Literal["brush"]
     size: RodSizeKey
-    mode: Literal["set", "add", "smooth"]
-    radius: Annotated[float, Field(ge=0.5, le=1000)]
-    strength: Annotated[float, Field(ge=0, le=1)]
-    value: Annotated[float, Field(ge=-100, le=100)] = 0.0
-    low: Annotated[float, Field(ge=0, le=100)]
-    high: Annotated[float, Field(ge=0, le=100)]
     places: Annotated[list[Annotated[list[PlaceMm], Field(min_length=1, max_length=24)]], Field(max_length=1000)]
-
-    @property
-    def brush(self) -> Brush:
-        """The brush of this request."""
-        return Brush(self.mode, self.radius, self.strength, self.value, self.low, self.high)
 
 
 class StarsRequest(GestureRequest):

@@ -26,18 +26,17 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from asterism.equilibrium.errors import Error
 from asterism.pattern.drawing.read import Drawing
 from asterism.process.local_server import LOOPBACK, Guard, Scope, bound, host_names, serve
-from asterism.studio.child import StartedProcess
+from asterism.studio.child import Child
 from asterism.studio.drawing import drawing_data
 from asterism.studio.engine_link import EngineLink
 from asterism.studio.examples import PICTURES
 from asterism.studio.file_names import MAX_NAME_CHARACTERS, FileNameError, file_below
-from asterism.studio.page_data import failure_data
-from asterism.studio.reading import read_apart
+from asterism.studio.page_data import problem_data
+from asterism.studio.pages import MAX_TABS, Tab
 from asterism.studio.requests import MAX_REQUEST_BYTES
 from asterism.studio.studio import Studio
-from asterism.studio.tab import MAX_TABS, Tab
 from asterism.studio.target import Target
-from asterism.studio.uploads import MAX_UPLOAD_BYTES, UploadKind
+from asterism.studio.uploads import MAX_UPLOAD_BYTES, UploadKind, read_apart
 
 PAGE = Path(__file__).parent / "page"
 # Windows may have other types for these in its registry, and a module of another type is not run.
@@ -127,7 +126,7 @@ def application(studio: Studio, token: str, hosts: frozenset[str]) -> PageGuard:
                     data = await asyncio.to_thread(drawing_data, content, studio.drawings.add(content))
                     content = {"drawing": data}
             except Error as error:
-                content = 422, {"problem": failure_data(error, None, "a file of a page")}
+                content = 422, {"problem": problem_data(error, None, work="a file of a page")}
             status, data = content if isinstance(content, tuple) else (200, content)
             return JSONResponse(data, status)
 
@@ -201,7 +200,7 @@ def run_studio(
     listen: str = LOOPBACK,
     opens_browser: bool = True,
     say: Callable[[str], None] = print,
-    engine: StartedProcess | None = None,
+    engine: Child | None = None,
 ) -> None:
     """Serve the studio, and return when it has been stopped.
 

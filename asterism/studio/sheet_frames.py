@@ -9,7 +9,7 @@ import numpy as np
 import scipy.sparse as sp
 
 from asterism.draw.ribbons import ribbons
-from asterism.equilibrium.arrays import Floats, Ints
+from asterism.equilibrium.arrays import Array, Floats, Ints
 from asterism.pattern.design.design import Design
 from asterism.pattern.geometry.normals import sum_at_vertices, vertex_normals
 from asterism.pattern.geometry.planar import is_in_sorted
@@ -22,7 +22,7 @@ from asterism.shape.blank_sheet import blank_sheet
 from asterism.shape.cell_mean import CellMean
 from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import surface_triangle_areas
-from asterism.studio.messages import Frame, SheetPart, ShownMesh
+from asterism.studio.messages import Frame
 
 STATIONS = 5  # along each ribbon
 # length of a ribbon along a drawn rod, so that curves look smooth; longer where there would be too many ribbons
@@ -49,17 +49,24 @@ class SheetMarks:
         self._station_triangles: Ints = np.empty(0, dtype=np.int64)
         self._needle_points = np.empty((0, 2))
 
-    def part(self, layout: Layout, positions: Floats) -> SheetPart:
-        """The sheet at positions (V, 3) mm with its ribbons and needles, in numbers of 4 bytes."""
+    def arrays(self, layout: Layout, positions: Floats, name: str = "") -> dict[str, Array]:
+        """The arrays of a `Frame` for the sheet at positions (V, 3) mm; see `sheet_arrays`."""
         ribbons = self.ribbons(layout, positions, vertex_normals(positions, self.triangles))
-        return small_part(positions, *ribbons, self.needles(layout, positions))
+        return sheet_arrays(name, positions, *ribbons, self.needles(layout, positions))
+
+    def mesh_arrays(self, layout: Layout) -> dict[str, Array]:
+        """The arrays of this mesh for a `Frame` of a layout."""
+        return mesh_arrays(self.printed, self.triangles, self.stations(layout).site)
+
+    def stations(self, layout: Layout) -> RibbonStations:
+        """The stations of a layout."""
+        if layout is not self._ribbons_of:
+            self._ribbons_of, self._ribbons = layout, ribbon_stations(layout)
+        return self._ribbons
 
     def ribbons(self, layout: Layout, positions: Floats, normals: Floats) -> tuple[Floats, Floats]:
         """(A, K, 3, 3) left and right outer edges of the ribbons and their middle on the fabric, (A, K, 3) normals."""
-        if layout is not self._ribbons_of:
-            self._ribbons = ribbon_stations(layout)
-            self._ribbons_of = layout
-        ribbons = self._ribbons
+        ribbons = self.stations(layout)
         if not np.array_equal(ribbons.points, self._ribbon_points) or not len(ribbons.points):
             points = ribbons.points.reshape(-1, 2)
             known = self._station_triangles if len(self._station_triangles) == len(points) else None
@@ -114,9 +121,22 @@ class SheetMarks:
         return TriangleFinder(self.printed, self.triangles)
 
 
-def small_part(positions: Floats, arms: Floats, arm_normals: Floats, needles: Floats) -> SheetPart:
-    """These places in numbers of 4 bytes."""
-    return SheetPart(*(values.astype(np.float32) for values in (positions, arms, arm_normals, needles)))
+def sheet_arrays(name: str, positions: Floats, arms: Floats, arm_normals: Floats, needles: Floats) -> dict[str, Array]:
+    """The arrays of a `Frame` for one sheet, in numbers of 4 bytes.
+
+    Parameters
+    ----------
+    name : empty for the sheet itself; `smooth` or `before` for another one beside it.
+    """
+    arrays = {"positions": positions, "arms": arms, "arm_normals": arm_normals, "needles": needles}
+    if name:
+        arrays = {name if key == "positions" else f"{name}_{key}": values for key, values in arrays.items()}
+    return {key: values.astype(np.float32) for key, values in arrays.items()}
+
+
+def smooth_arrays(curvature: Floats, strain: Floats) -> dict[str, Array]:
+    """The arrays of a `Frame` for values (V,) of the smooth surface."""
+    return {"curvature": curvature.astype(np.float32), "strain": strain.astype(np.float32)}
 
 
 def _unit(vectors: Floats) -> Floats:
@@ -178,15 +198,10 @@ def _between(ends: Floats, share: Floats) -> Floats:
     return np.asarray(ends[:, :1] + share * (ends[:, 1:] - ends[:, :1]))
 
 
-def mesh_message(number: int, printed: Floats, triangles: Ints, arm_site: Ints) -> ShownMesh:
-    """The message with a mesh: points (V, 2) mm, triangles (T, 3), and the row of the site of each ribbon (A,)."""
-    return ShownMesh(
-        mesh=number,
-        printed=printed.astype(np.float32),
-        triangles=triangles.astype(np.uint32),
-        outline=outline_of(triangles).astype(np.uint32),
-        arm_site=arm_site.astype(np.uint32),
-    )
+def mesh_arrays(printed: Floats, triangles: Ints, arm_site: Ints) -> dict[str, Array]:
+    """The arrays of a mesh: points (V, 2) mm, triangles (T, 3), and the row of the site of each ribbon (A,)."""
+    whole = {"triangles": triangles, "outline": outline_of(triangles), "arm_site": arm_site}
+    return {"printed": printed.astype(np.float32), **{name: part.astype(np.uint32) for name, part in whole.items()}}
 
 
 def outline_of(triangles: Ints) -> Ints:
@@ -204,68 +219,69 @@ def outline_of(triangles: Ints) -> Ints:
     return np.asarray(edges[~is_in_sorted(there, np.sort(back))])
 
 
-def shape_messages(shape: Shape, number: int = 1, stage: str = "equilibrium") -> tuple[ShownMesh, Frame]:
-    """The mesh of a shape under a number, and its frame; a free sheet stands as its `aligned()` copy, on the ground.
+def shape_frame(shape: Shape, stage: str = "equilibrium") -> Frame:
+    """A shape on its mesh; a free sheet stands as its `aligned()` copy, on the ground.
 
     Shapes from files without a design have no needles and no strains.
     """
     if not shape.held:
         shape = shape.aligned()
         shape = replace(shape, positions=shape.positions - [0.0, 0.0, shape.positions[:, 2].min()])
-    part, strain = _sheet_part(shape), np.empty(0)
-    arm_site: Ints = np.zeros(len(part.arms), dtype=np.int64)
+    arrays, strain = _shape_arrays(shape), np.empty(0)
+    arm_site: Ints = np.zeros(len(arrays["arms"]), dtype=np.int64)
     if shape.layout is not None:
         arm_site = ribbon_stations(shape.layout).site
         strain = _area_strain(shape)
     curvature = np.asarray(shape.point_fields.get("mean_curvature_per_mm", np.empty(0)), dtype=float)
-    is_minimum, height_mm = bool(shape.summary.get("is_minimum", False)), float(np.ptp(shape.positions[:, 2]))
-    curvature = _without_gaps(curvature, shape.triangles)
-    frame = Frame.of(part, 0, number, stage, curvature, strain, is_minimum=is_minimum, height_mm=height_mm)
-    return mesh_message(number, shape.printed, shape.triangles, arm_site), frame
+    return Frame(
+        0,
+        stage,
+        arrays | smooth_arrays(_without_gaps(curvature, shape.triangles), strain),
+        mesh_arrays(shape.printed, shape.triangles, arm_site),
+        is_minimum=bool(shape.summary.get("is_minimum", False)),
+        height_mm=float(np.ptp(shape.positions[:, 2])),
+    )
 
 
-def settled_messages(
-    exact: Shape, near: Shape | None, pose: tuple[Floats, Floats] | None, number: int, smooth: bool = False
-) -> tuple[ShownMesh, Frame]:
+def exact_frame(exact: Shape, near: Shape | None, pose: tuple[Floats, Floats] | None, smooth: bool = False) -> Frame:
     """The same of an exact shape beside the preview from which it was computed, in the pose of the sheet on the page.
 
     Parameters
     ----------
-    pose : printed (V, 2) and shown (V, 3) places of that sheet, mm; by default that of `shape_messages`.
+    pose : printed (V, 2) and shown (V, 3) places of that sheet, mm; by default that of `shape_frame`.
     smooth : with the sheet without its bumps.
     """
-    mesh, frame = shape_messages(exact, number, "exact")
-    if near is None:
-        return mesh, replace(frame, smooth=_without_bumps(exact, frame.positions) if smooth else None)
-    off = 0.0 if exact.layout is None else off_sheet_mm(exact.layout, len(near.printed))
-    before, positions = near.at(exact.printed, off), exact.positions
-    if pose is not None:
-        rotation, shift = rigid_fit(near.at(pose[0], off), np.asarray(pose[1], dtype=float))
-        before = before @ rotation.T + shift
-    if not exact.held:
-        rotation, shift = rigid_fit(positions, before, exact.weights)
-        positions = positions @ rotation.T + shift
-    shown, other = (_sheet_part(replace(exact, positions=places)) for places in (positions, before))
-    without_bumps = _without_bumps(exact, positions) if smooth else None
-    return mesh, replace(frame, before=other, smooth=without_bumps, **vars(shown))
+    frame = shape_frame(exact, "exact")
+    positions, arrays = np.asarray(frame.arrays["positions"], dtype=float), dict(frame.arrays)
+    if near is not None:
+        off = 0.0 if exact.layout is None else off_sheet_mm(exact.layout, len(near.printed))
+        before, positions = near.at(exact.printed, off), exact.positions
+        if pose is not None:
+            rotation, shift = rigid_fit(near.at(pose[0], off), np.asarray(pose[1], dtype=float))
+            before = before @ rotation.T + shift
+        if not exact.held:
+            rotation, shift = rigid_fit(positions, before, exact.weights)
+            positions = positions @ rotation.T + shift
+        for name, places in (("", positions), ("before", before)):
+            arrays |= _shape_arrays(replace(exact, positions=places), name)
+    if smooth and exact.layout is not None:
+        arrays |= _shape_arrays(_without_bumps(exact, exact.layout, positions), "smooth")
+    return replace(frame, arrays=arrays)
 
 
-def _without_bumps(shape: Shape, positions: Floats) -> SheetPart | None:
+def _without_bumps(shape: Shape, layout: Layout, positions: Floats) -> Shape:
     """The sheet at positions (V, 3), moved along its normal to the means over a cell of the lattice."""
-    if shape.layout is None:
-        return None
-    positions = np.asarray(positions, dtype=float)
-    mean = CellMean(shape.printed, shape.weights, shape.layout.lattice_vectors)(positions)
+    mean = CellMean(shape.printed, shape.weights, layout.lattice_vectors)(positions)
     normals = vertex_normals(mean, shape.triangles)
     bumps = np.sum(normals * (positions - mean), axis=1, keepdims=True)
-    return _sheet_part(replace(shape, positions=positions - normals * bumps))
+    return replace(shape, positions=positions - normals * bumps)
 
 
-def _sheet_part(shape: Shape) -> SheetPart:
+def _shape_arrays(shape: Shape, name: str = "") -> dict[str, Array]:
     """Places, arms and needles of a shape as they are."""
     if shape.layout is None:
-        return small_part(shape.positions, *_rod_ribbons(shape), np.empty((0, 2, 3)))
-    return SheetMarks(shape.printed, shape.triangles).part(shape.layout, shape.positions)
+        return sheet_arrays(name, shape.positions, *_rod_ribbons(shape), np.empty((0, 2, 3)))
+    return SheetMarks(shape.printed, shape.triangles).arrays(shape.layout, shape.positions, name)
 
 
 def _rod_ribbons(shape: Shape) -> tuple[Floats, Floats]:
@@ -301,19 +317,21 @@ def _without_gaps(values: Floats, triangles: Ints) -> Floats:
     return np.where(is_known, values, np.divide(total, count, out=np.zeros(len(values)), where=count > 0))
 
 
-def blank_messages(design: Design, number: int, seq: int) -> tuple[ShownMesh, Frame]:
-    """The flat, released sheet of a design without stars: its mesh under a number, and its frame."""
+def blank_frame(design: Design, seq: int) -> Frame:
+    """The flat, released sheet of a design without stars."""
     shape = blank_sheet(design)
-    mesh = mesh_message(number, shape.printed, shape.triangles, np.empty(0, dtype=np.int64))
-    part = small_part(shape.positions, np.empty((0, STATIONS, 3, 3)), np.empty((0, STATIONS, 3)), np.empty((0, 2, 3)))
-    return mesh, Frame.of(part, seq, number, "exact", is_minimum=True)
+    zero, none = np.zeros(len(shape.positions)), np.empty((0, STATIONS, 3, 3))
+    arrays = sheet_arrays("", shape.positions, none, none[:, :, 0], np.empty((0, 2, 3))) | smooth_arrays(zero, zero)
+    mesh = mesh_arrays(shape.printed, shape.triangles, np.empty(0, dtype=np.int64))
+    return Frame(seq, "exact", arrays, mesh, is_minimum=True)
 
 
-def printed_messages(design: Design, number: int, seq: int) -> tuple[ShownMesh, Frame]:
+def printed_frame(design: Design, seq: int) -> Frame:
     """The flat sheet as it is printed, with its rods and without needles."""
     plan = layout(design)
     edge = 0.05 * plan.diameter_mm  # of the triangles
     mesh = mesh_layout(plan, edge, design.mesh.kind, design.mesh.seed, draft=True)
-    part = SheetMarks(mesh.points, mesh.triangles).part(plan, np.pad(mesh.points, ((0, 0), (0, 1))))
-    shown = mesh_message(number, mesh.points, mesh.triangles, ribbon_stations(plan).site)
-    return shown, Frame.of(replace(part, needles=part.needles[:0]), seq, number, "printed", is_minimum=True)
+    marks, zero = SheetMarks(mesh.points, mesh.triangles), np.zeros(len(mesh.points))
+    arrays = marks.arrays(plan, np.pad(mesh.points, ((0, 0), (0, 1)))) | smooth_arrays(zero, zero)
+    arrays["needles"] = arrays["needles"][:0]
+    return Frame(seq, "printed", arrays, marks.mesh_arrays(plan), is_minimum=True)

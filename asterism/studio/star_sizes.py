@@ -1,8 +1,8 @@
-"""Sizes that are painted star by star: entries of `stars.override` by lattice site."""
+"""What is painted site by site: sizes of stars in `stars.override`, and weights of places in a fit."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
 import numpy as np
@@ -11,6 +11,8 @@ from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.stars import Site
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.painted_stars import SIZE_KEYS
+
+PLAIN_WEIGHT = 1.0  # of a place that nobody has painted
 
 
 def entries_by_site(table: Mapping[str, Any], layout: Layout) -> dict[Site, dict[str, Any]]:
@@ -28,49 +30,48 @@ def entries_by_site(table: Mapping[str, Any], layout: Layout) -> dict[Site, dict
     return entries
 
 
-def with_entries(table: Mapping[str, Any], entries: Mapping[Site, Mapping[str, Any]]) -> dict[str, Any]:
+def painted(
+    table: Mapping[str, Any], layout: Layout, sites: Sequence[Site], sizes: Mapping[str, Sequence[float | None]]
+) -> dict[str, Any]:
+    """The table with other sizes at some sites; None leaves a size as it is, and a removed star stays removed.
+
+    Parameters
+    ----------
+    sizes : for some of `SIZE_KEYS`, one size (mm) a site.
+    """
+    entries = entries_by_site(table, layout)
+    for key, values in sizes.items():
+        for site, value in zip(sites, values, strict=True):
+            entry = entries.setdefault(site, {})
+            if value is not None and not entry.get("remove"):
+                # Painted sizes are kept to 0.1 micrometre: files stay readable.
+                entry[key] = round(float(value), 4)
+    return _with_entries(table, entries)
+
+
+def changed(
+    table: Mapping[str, Any], layout: Layout, sites: Sequence[Site], what: Literal["remove", "restore", "reset"]
+) -> dict[str, Any]:
+    """The table with the stars at these sites removed, with the removed ones back, or without entries of their own.
+
+    Stars without an entry have the sizes of the design's profiles.
+    """
+    entries = entries_by_site(table, layout)
+    for site in sites:
+        if what == "remove":
+            entries[site] = {"remove": True}
+        elif what == "reset" or entries.get(site, {}).get("remove"):
+            entries.pop(site, None)
+    return _with_entries(table, entries)
+
+
+def _with_entries(table: Mapping[str, Any], entries: Mapping[Site, Mapping[str, Any]]) -> dict[str, Any]:
     """The table with these entries as its `stars.override`; entries that change nothing are left out."""
     stars = {key: value for key, value in table["stars"].items() if key != "override"}
     kept = [{"site": list(site), **entry} for site, entry in entries.items() if entry]
     if kept:
         stars["override"] = kept
     return {**table, "stars": stars}
-
-
-def painted(
-    entries: Mapping[Site, Mapping[str, Any]], sites: Sequence[Site], sizes: Mapping[str, Sequence[float | None]]
-) -> dict[Site, dict[str, Any]]:
-    """The entries with other sizes at some sites; None leaves a size as it is, and a removed star stays removed.
-
-    Parameters
-    ----------
-    sizes : for some of `SIZE_KEYS`, one size (mm) a site.
-    """
-    out = {site: dict(entry) for site, entry in entries.items()}
-    for key, values in sizes.items():
-        for site, value in zip(sites, values, strict=True):
-            entry = out.setdefault(site, {})
-            if value is not None and not entry.get("remove"):
-                # Painted sizes are kept to 0.1 micrometre: files stay readable.
-                entry[key] = round(float(value), 4)
-    return out
-
-
-def changed(
-    entries: Mapping[Site, dict[str, Any]], sites: Iterable[Site], what: Literal["remove", "restore", "reset"]
-) -> dict[Site, dict[str, Any]]:
-    """The entries with the stars at these sites removed, with the removed ones back, or without entries of their own.
-
-    Stars without an entry have the sizes of the design's profiles.
-    """
-    chosen = set(sites)
-    if what == "remove":
-        return {**entries, **{site: {"remove": True} for site in sites}}
-    return {
-        site: entry
-        for site, entry in entries.items()
-        if site not in chosen or (what == "restore" and not entry.get("remove"))
-    }
 
 
 def split(table: Mapping[str, Any]) -> tuple[dict[str, Any], Ints, Floats, Ints]:
@@ -100,3 +101,25 @@ def split(table: Mapping[str, Any]) -> tuple[dict[str, Any], Ints, Floats, Ints]
         np.asarray(sizes, dtype=float).reshape(-1, 3),
         np.asarray(gone, dtype=np.int64).reshape(-1, 2),
     )
+
+
+def weights_by_site(table: Mapping[str, Any]) -> dict[Site, float]:
+    """The weights of a design file's table by lattice site."""
+    return {tuple(entry["site"]): entry["weight"] for entry in table.get("fit", {}).get("weights", ())}
+
+
+def weighed(table: Mapping[str, Any], sites: Sequence[Site], weights: Sequence[float | None]) -> dict[str, Any]:
+    """The table with other weights at some sites; None is the weight of a place that nobody has painted.
+
+    Examples
+    --------
+    >>> weighed({"name": "a"}, [(0, 0), (1, 0)], [4.0, None])
+    {'name': 'a', 'fit': {'weights': [{'site': [0, 0], 'weight': 4.0}]}}
+    """
+    kept = weights_by_site(table)
+    for site, weight in zip(sites, weights, strict=True):
+        # of a weight in the design file
+        kept[site] = PLAIN_WEIGHT if weight is None else round(weight, 3)
+    entries = [{"site": list(site), "weight": weight} for site, weight in kept.items() if weight != PLAIN_WEIGHT]
+    rest = {key: value for key, value in table.items() if key != "fit"}
+    return {**rest, "fit": {"weights": entries}} if entries else rest

@@ -21,7 +21,6 @@ from asterism.studio.design_file import FileWatch
 from asterism.studio.document import Document
 from asterism.studio.drawing import Drawings, with_drawing
 from asterism.studio.engine_link import EngineLink
-from asterism.studio.engine_requests import EngineRequests, FrameParts
 from asterism.studio.examples import MAX_FILES, NEW_SHEET, design_files, free_name, gallery_entries
 from asterism.studio.file_names import file_below, shown_path
 from asterism.studio.history import thumbnail
@@ -29,15 +28,13 @@ from asterism.studio.jobs import JobRequests
 from asterism.studio.page_data import (
     DEFAULT_PRINTER,
     document_data,
-    failure_data,
     known_printer,
     opening_problem_data,
     problem_data,
 )
+from asterism.studio.pages import KeptShape, Shown, Tab, Tabs, number_of
 from asterism.studio.requests import GestureRequest, Request, RequestError
-from asterism.studio.settling import Settling
-from asterism.studio.shown_shape import KeptShape, Shown, number_of
-from asterism.studio.tab import Tab, Tabs
+from asterism.studio.shape_requests import EngineRequests, FrameParts, Settling
 
 MAX_LEFT = 6  # designs that were open and are shown as pictures
 
@@ -58,7 +55,7 @@ class Studio:
         self.folder = folder.resolve()
         self.document = Document.open(path) if path is not None else None
         self.shown = Shown()
-        self.tabs = Tabs(self.shown.meshes)
+        self.tabs = Tabs()
         self.lock = asyncio.Lock()
         self._make_engine = make_engine
         self._queue: asyncio.Queue[tuple[Tab, str]] = asyncio.Queue(maxsize=1000)
@@ -102,13 +99,9 @@ class Studio:
         """A page has sent a message."""
         await self._queue.put((tab, text))
 
-    def tell(self, message: dict[str, Any]) -> None:
-        """Send a message to all pages."""
-        self.tabs.tell(message)
-
     def tell_state(self) -> None:
         """Send the message `state` to all pages."""
-        self.tell(self._state())
+        self.tabs.tell(self._state())
 
     def tell_document(self) -> None:
         """Send the message `document` to all pages, each with the last gesture of its own that it contains."""
@@ -129,7 +122,7 @@ class Studio:
             "unsaved_since": self._upkeep.unsaved_since,
             "slots": {name: self._slots[name].data if name in self._slots else None for name in ("A", "B", "C")},
             "designs": [
-                {"name": name, "shape": shape.number, "height_mm": shape.header["height_mm"]}
+                {"name": name, "shape": shape.number, "height_mm": shape.frame.height_mm}
                 for name, shape in self._left_shapes.items()
                 if self.document is None or name != self.document.path.name
             ],
@@ -173,7 +166,7 @@ class Studio:
                 tab.send(opening_problem_data(error, path, seq))
                 return
             layout = None if self.document is None else self.document.layout
-            tab.send(failure_data(error, layout, "a request of a page", seq))
+            tab.send(problem_data(error, layout, seq))
             tab.send(self._state())  # pages say that a job begins before the server does
 
     async def _answer(self, tab: Tab, request: Request) -> None:
@@ -196,7 +189,15 @@ class Studio:
             case ask.BumpsRequest():
                 self.parts.show_bumps(tab, request.shown)
             case _:
-                await self._answer_about(self.open_document(request.document), tab, request)
+                document = self.open_document(request.document)
+                match request:
+                    case ask.TargetRequest():
+                        self.parts.place(request)
+                    case GestureRequest():
+                        await self._gesture(tab, request, document)
+                    case _:
+                        await asyncio.to_thread(document.end_gesture)
+                        await self._command(tab, request, document)
 
     def open_document(self, number: int | None) -> Document:
         """The open document, for a request about the document of a number; without one, about whichever is open.
@@ -211,17 +212,6 @@ class Studio:
         if number not in (None, self.document.number):
             raise RequestError("another design is open now; what was asked for the one before is left out")
         return self.document
-
-    async def _answer_about(self, document: Document, tab: Tab, request: Request) -> None:
-        """Do what a page asks for with the open document."""
-        match request:
-            case ask.TargetRequest():
-                self.parts.place(request)
-            case GestureRequest():
-                await self._gesture(tab, request, document)
-            case _:
-                await asyncio.to_thread(document.end_gesture)
-                await self._command(tab, request, document)
 
     async def _command(self, tab: Tab, request: Request, document: Document) -> None:
         """A request that is no gesture; the document is laid out."""
@@ -247,7 +237,7 @@ class Studio:
                 path = design_path(self.folder, request.name) if request.name else None
                 await asyncio.to_thread(document.save, path, request.over)
                 self._upkeep.begin(document)
-                self.tell({"type": "saved", "path": shown_path(document.path)})
+                self.tabs.tell({"type": "saved", "path": shown_path(document.path)})
                 self.tell_document()
             case ask.Simple(type="reread"):
                 await asyncio.to_thread(document.read_again)
@@ -296,7 +286,7 @@ class Studio:
         self._show_document(document)
         self.tell_document()
         for problem in document.autosave.problems:
-            self.tell({"type": "note", "text": problem})
+            self.tabs.tell({"type": "note", "text": problem})
         self.tell_state()
 
     def _keep_left(self, path: Path) -> None:
@@ -311,7 +301,7 @@ class Studio:
         gesture = None if request.gesture is None else (tab.number, request.gesture)
         try:
             if note := apply_gesture(request, document, gesture, self.drawings):
-                self.tell({"type": "note", "text": note})
+                self.tabs.tell({"type": "note", "text": note})
         except Error as error:
             tab.send(problem_data(error, document.layout, request.seq))
         tab.gesture = request.gesture
@@ -425,7 +415,7 @@ class Upkeep:
         except (OutputError, OSError) as error:
             self._autosaved, self.unsaved_since = None, failed or time.time()  # it is tried again
             if failed is None:
-                self._studio.tell(problem_data(error, None))
+                self._studio.tabs.tell(problem_data(error, None))
         if failed != self.unsaved_since:
             self._studio.tell_state()
 
@@ -438,7 +428,7 @@ class Upkeep:
             except Exception as error:
                 if repr(error) != known:  # the same mistake would come again every time
                     known = repr(error)
-                    self._studio.tell(failure_data(error, None, "upkeep of the studio"))
+                    self._studio.tabs.tell(problem_data(error, None, work="upkeep of the studio"))
 
     async def _autosave(self) -> None:
         self._studio.engine.link.watch()  # an engine that hangs is replaced
@@ -456,7 +446,7 @@ class Upkeep:
             self._is_gone, self._autosaved = is_gone, None
             if is_gone:
                 note = f"{shown_path(document.path)} was deleted or moved; Save writes it again."
-                self._studio.tell({"type": "note", "text": note})
+                self._studio.tabs.tell({"type": "note", "text": note})
             self._studio.tell_document()
         if watch is None or document is None or (text := await asyncio.to_thread(watch.changed_text)) is None:
             return
@@ -466,9 +456,9 @@ class Upkeep:
             try:
                 await asyncio.to_thread(document.read_again)
             except Error as error:
-                self._studio.tell(problem_data(error, document.layout))
+                self._studio.tabs.tell(problem_data(error, document.layout))
                 return
-            self._studio.tell({"type": "followed", "path": shown_path(document.path)})
+            self._studio.tabs.tell({"type": "followed", "path": shown_path(document.path)})
             await self._studio.accept()
 
 
@@ -522,7 +512,7 @@ def apply_gesture(request: GestureRequest, document: Document, gesture: Any, dra
         case ask.Paint():
             document.paint(request.sites, request.sizes, gesture)
         case ask.BrushRequest():
-            document.brush(request.size, request.brush, request.places, gesture)
+            document.brush(request.size, request, request.places, gesture)
         case ask.PlaceDrawing():
             drawing = drawings.get(request.drawing)
             table, note = with_drawing(document.table, drawing, request, document.layout.outline)

@@ -1,19 +1,26 @@
-"""The target surface that a page has sent, and its pose beside the sheet."""
+"""The target surface that a page has sent: its pose beside the sheet, and the weights of its places in a fit."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from asterism.equilibrium.arrays import Floats, Ints
+from asterism.equilibrium.arrays import Array, Floats, Ints
 from asterism.fitting.rhino_file import read_rhino
 from asterism.measure.compare.scan import MM, read_surface
 from asterism.pattern.drawing.rhino import RHINO_FORMAT
+from asterism.pattern.layout.layout import Layout
 from asterism.studio import frames
 from asterism.studio.messages import Surface, TargetPose
+from asterism.studio.requests import RequestError
+from asterism.studio.star_sizes import PLAIN_WEIGHT, weights_by_site
+
+if TYPE_CHECKING:
+    from asterism.fitting.target import TargetSurface
 
 TARGET = 4  # kind of the binary frame of a target
 
@@ -87,3 +94,54 @@ def read_target(path: Path, name: str) -> Target:
     is_rhino = path.suffix.lower() == RHINO_FORMAT
     vertices, triangles = read_rhino(path, None) if is_rhino else read_surface(path)
     return Target(name or path.name, vertices, triangles)
+
+
+@dataclass(frozen=True)
+class SheetWeights:
+    """Weights of a shown sheet beside its target, for the process of a fit.
+
+    Attributes
+    ----------
+    centres : (S, 2) mm, printed lattice sites.
+    weight : (S,) of the cells around them.
+    printed : (V, 2) mm, vertices of the shown sheet.
+    positions : (V, 3) mm, the same in space, in the pose of the target's file.
+    """
+
+    centres: Array
+    weight: Array
+    printed: Array
+    positions: Array
+
+    def at_vertices(self, target: TargetSurface) -> Floats:
+        """(V,) weights at the vertices of the target: each has that of the nearest place of the sheet."""
+        from scipy.spatial import cKDTree  # the server does not need it
+
+        of_sheet = self.weight[cKDTree(self.centres).query(self.printed)[1]]
+        posed = self.positions @ target.motion.T + target.shift_mm
+        return np.asarray(of_sheet[cKDTree(posed).query(target.disk.vertices)[1]], dtype=float)
+
+
+def sheet_weights(
+    table: Mapping[str, Any], layout: Layout, shown: tuple[Array, Array] | None, target: Target
+) -> SheetWeights | None:
+    """The weights of a design on the shown sheet; None if all places have the same.
+
+    Parameters
+    ----------
+    shown : printed (V, 2) and shown (V, 3) places of the sheet, mm; None without a shape.
+
+    Raises
+    ------
+    RequestError
+        There are weights, but no shape.
+    """
+    weights = weights_by_site(table)
+    weight = np.array([weights.get(tuple(site), PLAIN_WEIGHT) for site in layout.sheet_sites.tolist()])
+    if (weight == PLAIN_WEIGHT).all():
+        return None
+    if shown is None:
+        raise RequestError("fit: wait until the sheet is shown: weights are those of its places")
+    printed, positions = (np.asarray(part, dtype=float) for part in shown)
+    centres = layout.lattice.place(layout.sheet_sites)
+    return SheetWeights(centres, weight, printed, (positions - target.shift) @ target.rotation)

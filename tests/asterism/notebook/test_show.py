@@ -17,6 +17,7 @@ from asterism.pattern.design.design import Design
 from asterism.studio import frames
 from asterism.studio.sheet_frames import RIBBON_MM, STATIONS
 from tests.asterism.sheets import dome, sheet
+from tests.asterism.studio.flat_frames import unpack
 
 ROOT = Path(__file__).parents[3]
 
@@ -32,9 +33,9 @@ def preview() -> asterism.Preview:
 
 def drawn(traits: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any], dict[str, Any]]:
     """Arrays of the mesh, header and arrays of the shape."""
-    kind, mesh_header, mesh = frames.unpack(traits["mesh"])
+    kind, mesh_header, mesh = unpack(traits["mesh"])
     assert kind == frames.MESH
-    kind, header, shape = frames.unpack(traits["frame"])
+    kind, header, shape = unpack(traits["frame"])
     assert kind == frames.SHAPE and header["mesh"] == mesh_header["mesh"]
     return mesh, header, shape
 

@@ -16,7 +16,7 @@ from asterism.studio import frames
 from asterism.studio.messages import Edit, Limits, ShapeSummary
 from asterism.studio.server import application
 from asterism.studio.studio import Studio
-from tests.asterism.studio.flat_frames import flat_frame, flat_mesh
+from tests.asterism.studio.flat_frames import flat_frame, unpack
 
 if TYPE_CHECKING:
     from tests.asterism.studio.engine_pipe import EnginePipe
@@ -40,7 +40,6 @@ class QuickEngine:
     def ask(self, message: Any) -> None:
         self.edits.append(message)
         seq = message.seq
-        self._receive(flat_mesh())
         self._receive(flat_frame(seq, height=float(seq)))
         self._receive(ShapeSummary(seq, {"expected_rms_percent": 0.5, "height_mm": float(seq)}))
         if seq == 1:
@@ -78,7 +77,7 @@ class Page:
             message = self._socket.portal.call(self._receive)
             assert message["type"] != "websocket.close", message
             if message.get("bytes"):
-                frame_kind, header, arrays = frames.unpack(message["bytes"])
+                frame_kind, header, arrays = unpack(message["bytes"])
                 if frame_kind != frames.MESH:
                     self.send(type="ack", frame=header["frame"])
                 data = {"type": {1: "mesh", 2: "shape", 3: "comparison"}[frame_kind], **header, **arrays}

@@ -9,7 +9,7 @@ from typing import Any
 import asterism
 from asterism.studio.engine import Engine
 from asterism.studio.inbox import Inbox
-from asterism.studio.messages import Frame, ShapeSummary, Stop, StudioProblem
+from asterism.studio.messages import Frame, ShapeSummary, StudioProblem
 
 PATIENCE_S = 120.0
 
@@ -21,9 +21,15 @@ class EnginePipe:
         self._to: queue.Queue[Any] = queue.Queue()
         self._back: queue.Queue[Any] = queue.Queue()
         self.answers: list[Any] = []
-        engine = Engine(Inbox(self._to.get), self._back.put)
+        engine = Engine(Inbox(self._receive), self._back.put)
         self._thread = threading.Thread(target=engine.serve, daemon=True)
         self._thread.start()
+
+    def _receive(self) -> Any:
+        """The next message to the engine; the pipe ends with None."""
+        if (message := self._to.get()) is None:
+            raise EOFError
+        return message
 
     def send(self, *messages: Any) -> None:
         for message in messages:
@@ -41,6 +47,10 @@ class EnginePipe:
         """The next frame of a message."""
         return self.until(lambda answer: isinstance(answer, Frame) and (answer.seq, answer.stage) == (seq, stage))
 
+    def meshes(self) -> dict[int, dict[str, Any]]:
+        """The arrays of the meshes so far, by number."""
+        return {answer.mesh: answer.mesh_arrays for answer in self.answers if isinstance(answer, Frame)}
+
     def summary(self, seq: int) -> ShapeSummary:
         """The summary of a message."""
         return self.until(lambda answer: isinstance(answer, ShapeSummary) and answer.seq == seq)
@@ -50,7 +60,7 @@ class EnginePipe:
         return self.until(lambda answer: isinstance(answer, StudioProblem) and answer.seq == seq)
 
     def close(self) -> None:
-        self._to.put(Stop())
+        self._to.put(None)
         self._thread.join(PATIENCE_S)
         assert not self._thread.is_alive()
 

@@ -16,7 +16,6 @@ from asterism.results.files import staged
 from asterism.studio.messages import (
     Edit,
     Fitted,
-    Frame,
     JobProgress,
     Ready,
     Settled,
@@ -26,8 +25,8 @@ from asterism.studio.messages import (
     Surface,
     Written,
 )
-from asterism.studio.weights import SheetWeights
-from tests.asterism.studio.flat_frames import SQUARE, flat_frame, flat_mesh, flat_part
+from asterism.studio.target import SheetWeights
+from tests.asterism.studio.flat_frames import SQUARE, flat_frame
 
 # variable of the environment with the file that a fit, or a verification, waits for
 GATE = "ASTERISM_TEST_GATE"
@@ -38,12 +37,12 @@ def serve(connection: Connection) -> None:
 
     The snapshot is that of the edit and its number.
     """
-    connection.send(Ready(0.0))
+    connection.send(Ready())
     while True:
         message = connection.recv()
         if not isinstance(message, Edit):
             continue
-        table = message.design or {}
+        table = message.design
         if table.get("die"):
             os._exit(3)
         for failure in ("die_once", "hang_once", "loop_once"):
@@ -55,7 +54,6 @@ def serve(connection: Connection) -> None:
                 if failure == "loop_once":
                     connection.send(Sign(is_stuck=True))
                 time.sleep(60)
-        connection.send(flat_mesh())
         connection.send(flat_frame(message.seq, snapshot=(message.snapshot or b"") + b"%d" % message.seq))
 
 
@@ -78,14 +76,8 @@ def verify(connection: Connection, job: int, table: dict[str, Any], folder: str,
 
 def exact(job: int, is_minimum: bool = True) -> Settled:
     """A flat triangle as an exact shape."""
-    frame = Frame.of(flat_part(printed=SQUARE[:3]), 0, -job, "exact", is_minimum=is_minimum)
-    return Settled(
-        job,
-        flat_mesh(-job, SQUARE[:3]),
-        frame,
-        ShapeSummary(0, {"mesh_error_percent": 0.7, "is_minimum": is_minimum}),
-        b"exact",
-    )
+    frame = flat_frame(0, "exact", printed=SQUARE[:3], is_minimum=is_minimum)
+    return Settled(job, frame, ShapeSummary(0, {"mesh_error_percent": 0.7, "is_minimum": is_minimum}), b"exact")
 
 
 def fit(

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from asterism.pattern import gallery
-from asterism.studio.engine_requests import EngineRequests
 from asterism.studio.jobs import JobRequests
 from asterism.studio.messages import Edit, Parts, Released, Rested, ShapeSummary, StudioProblem
+from asterism.studio.shape_requests import EngineRequests
 from asterism.studio.studio import Studio
-from tests.asterism.studio.flat_frames import flat_frame, flat_mesh
+from tests.asterism.studio.flat_frames import flat_frame
 from tests.asterism.studio.quick_engines import exact
 
 
@@ -37,7 +37,6 @@ class SlowEngine:
 
     def frame(self, stage: str = "equilibrium", is_minimum: bool = True, seq: int | None = None) -> None:
         seq = self.asked if seq is None else seq
-        self.receive(flat_mesh())
         if stage != "linear" and seq >= self.asked:
             self.status = "ready"
         self.receive(flat_frame(seq, stage=stage, is_minimum=is_minimum))
@@ -185,7 +184,7 @@ def test_the_form_of_the_release_is_shown_on_request_and_goes_with_an_edit(day: 
     settled(day)
     order, settling = day.child.orders[-1], day.studio.settling
     assert settling.release == {"progress": {"done": 0, "of": 0}} and settling.data() is None
-    other = replace(exact(order.release_mesh), shape=b"released")
+    other = replace(exact(order.job), shape=b"released")
     settling._message(day.child, Released(order.job, False, other, -0.4, 5.0))  # type: ignore[arg-type]
     assert settling.release is not None and not settling.release["is_shown"] and day.exact == b"exact"
     settling.show_form(released=True)

@@ -11,9 +11,8 @@ from starlette.testclient import TestClient
 
 from asterism.pattern.design.errors import DesignError
 from asterism.studio.document import Document
-from asterism.studio.drawing import Drawings, read_drawing, with_drawing
+from asterism.studio.drawing import Drawings, UploadError, read_drawing, with_drawing
 from asterism.studio.requests import PlaceDrawing
-from asterism.studio.uploads import UploadError
 from tests.asterism.studio.conftest import HOST, TOKEN, Page
 from tests.asterism.studio.test_uploads import SQUARE, dxf
 

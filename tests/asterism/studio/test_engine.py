@@ -14,54 +14,55 @@ import asterism
 from asterism.homogenize.law.law_file import PAPER_LAW
 from asterism.pattern.layout.build import layout
 from asterism.previews.session import SearchLimitError
-from asterism.studio.inbox import Inbox
-from asterism.studio.messages import Busy, Edit, Frame, Limits, Rested, ShownMesh
-from asterism.studio.search_bounds import SearchBounds
+from asterism.studio.inbox import Inbox, SearchBounds
+from asterism.studio.messages import Busy, Edit, Frame, Limits, Rested
 from tests.asterism.studio.engine_pipe import EnginePipe, table
 
 
 def test_the_first_edit_gives_a_mesh_a_shape_and_the_limits(engine: EnginePipe) -> None:
     engine.send(Edit(1, table()))
     frame = engine.frame(1)
-    (mesh,) = [answer for answer in engine.answers if isinstance(answer, ShownMesh)]
+    mesh = frame.mesh_arrays
     (limits,) = [answer for answer in engine.answers if isinstance(answer, Limits)]
-    assert frame.mesh == mesh.mesh and frame.is_minimum and frame.snapshot is not None
-    count, arms = len(mesh.printed), len(mesh.arm_site)
-    assert frame.positions.shape == (count, 3)
-    assert frame.curvature.shape == frame.strain.shape == (count,)
-    assert frame.arms.shape == (arms, 5, 3, 3) and frame.arm_normals.shape == (arms, 5, 3)
-    assert all(np.isfinite(part).all() for part in (frame.positions, frame.arms, frame.needles, frame.strain))
-    assert mesh.triangles.max() < count and mesh.outline.shape == (len(set(mesh.outline.ravel().tolist())), 2)
+    assert frame.is_minimum and frame.snapshot is not None
+    count, arms = len(mesh["printed"]), len(mesh["arm_site"])
+    assert frame.arrays["positions"].shape == (count, 3)
+    assert frame.arrays["curvature"].shape == frame.arrays["strain"].shape == (count,)
+    assert frame.arrays["arms"].shape == (arms, 5, 3, 3) and frame.arrays["arm_normals"].shape == (arms, 5, 3)
+    assert all(np.isfinite(part).all() for part in frame.arrays.values())
+    assert mesh["triangles"].max() < count and mesh["outline"].shape == (len(set(mesh["outline"].ravel().tolist())), 2)
     assert set(limits.stretches) == {1.35, 1.75} and limits.law["width_mm"] == (0.8, 1.6)
 
 
 def test_the_shown_sheet_is_the_preview(engine: EnginePipe) -> None:
     engine.send(Edit(1, table()))
     frame = engine.frame(1)
-    mesh = next(answer for answer in engine.answers if isinstance(answer, ShownMesh))
+    printed = frame.mesh_arrays["printed"]
     design = asterism.Design.from_dict(table())
     preview = asterism.Preview(design)
-    inside = np.abs(mesh.printed).max(axis=1) < 40.0
-    places = preview.at(mesh.printed[inside].astype(float)).bumpy
-    assert frame.positions[inside] == pytest.approx(places, abs=0.02)  # points of 4 bytes change their nearest star
+    inside = np.abs(printed).max(axis=1) < 40.0
+    places = preview.at(printed[inside].astype(float)).bumpy
+    assert frame.arrays["positions"][inside] == pytest.approx(
+        places, abs=0.02
+    )  # points of 4 bytes change their nearest star
     plan = layout(design)
-    width = np.linalg.norm(frame.arms[:, :, 0] - frame.arms[:, :, 1], axis=-1)
+    width = np.linalg.norm(frame.arrays["arms"][:, :, 0] - frame.arrays["arms"][:, :, 1], axis=-1)
     assert width == pytest.approx(np.broadcast_to(plan.arm_width[:, :1], width.shape), abs=1e-3)
     # the left edge is on the left of an arm that leads away from its star
-    along = frame.arms[:, -1, :2].mean(axis=1) - frame.arms[:, 0, :2].mean(axis=1)
-    left = frame.arms[:, 2, 0] - frame.arms[:, 2, 1]
-    assert (np.einsum("ac,ac->a", np.cross(along, left), frame.arm_normals[:, 2]) > 0.0).all()
+    along = frame.arrays["arms"][:, -1, :2].mean(axis=1) - frame.arrays["arms"][:, 0, :2].mean(axis=1)
+    left = frame.arrays["arms"][:, 2, 0] - frame.arrays["arms"][:, 2, 1]
+    assert (np.einsum("ac,ac->a", np.cross(along, left), frame.arrays["arm_normals"][:, 2]) > 0.0).all()
 
 
 def test_painted_stars_give_a_linear_response_and_then_the_equilibrium(engine: EnginePipe) -> None:
     engine.send(Edit(1, table()))
     engine.frame(1)
-    engine.send(Edit(2, sites=np.array([[0, 0], [1, 0]]), sizes_mm=np.array([[6.0, np.nan, np.nan]] * 2)))
+    engine.send(Edit(2, table(), np.array([[0, 0], [1, 0]]), np.array([[6.0, np.nan, np.nan]] * 2)))
     linear, final = engine.frame(2, "linear"), engine.frame(2)
     assert linear.snapshot is None and linear.mesh == final.mesh
     override = [{"site": [0, 0], "length_mm": 6.0}, {"site": [1, 0], "length_mm": 6.0}]
-    engine.send(Edit(3, table(stars={"override": override}), np.empty((0, 2)), np.empty((0, 3))))
-    assert engine.frame(3).positions == pytest.approx(final.positions, abs=1e-4)
+    engine.send(Edit(3, table(stars={"override": override})))
+    assert engine.frame(3).arrays["positions"] == pytest.approx(final.arrays["positions"], abs=1e-4)
 
 
 def test_rest_brings_a_fine_mesh_and_the_summary(engine: EnginePipe) -> None:
@@ -73,8 +74,8 @@ def test_rest_brings_a_fine_mesh_and_the_summary(engine: EnginePipe) -> None:
     assert summary.numbers["height_mm"] == pytest.approx(expected["height_mm"], rel=1e-9)
     assert [notice.text for notice in summary.warnings] == expected["warnings"]
     assert summary.warnings[0].stars == ((0, 0),)
-    coarse, fine = [answer for answer in engine.answers if isinstance(answer, ShownMesh)]
-    assert len(fine.triangles) > 3 * len(coarse.triangles) and engine.answers[-2].mesh == fine.mesh
+    coarse, fine = engine.meshes().values()
+    assert len(fine["triangles"]) > 3 * len(coarse["triangles"]) and engine.answers[-2].mesh_arrays is fine
     (rested,) = [answer for answer in engine.answers if isinstance(answer, Rested)]
     assert pickle.loads(rested.shape).height_mm == pytest.approx(expected["height_mm"], rel=1e-9)
 
@@ -96,8 +97,8 @@ def test_a_drag_ends_with_the_shape_of_its_last_edit(engine: EnginePipe) -> None
     engine.frame(1)
     lengths = np.linspace(9.0, 6.0, 40)
     for seq, length in enumerate(lengths, 2):
-        engine.send(Edit(seq, None, np.array([[0, 0]]), np.array([[length, np.nan, np.nan]]), is_dragging=True))
-    engine.send(Edit(50))
+        engine.send(Edit(seq, table(), np.array([[0, 0]]), np.array([[length, np.nan, np.nan]]), is_dragging=True))
+    engine.send(Edit(50, table(), np.array([[0, 0]]), np.array([[6.0, np.nan, np.nan]])))
     engine.summary(50)
     shown = [answer.seq for answer in engine.answers if isinstance(answer, Frame)]
     assert shown == sorted(shown) and len(set(shown)) < 40
@@ -115,7 +116,7 @@ def test_another_stretch_is_learned(engine: EnginePipe) -> None:
     limits = [answer for answer in engine.answers if isinstance(answer, Limits)][-1]
     assert limits.seq == 2 and limits.stretches == (1.35, 1.75) and limits.law == {}
     own = asterism.preview(asterism.Design.from_dict(table(fabric={"stretch": 1.5})))
-    rise = np.ptp(frame.positions[:, 2])
+    rise = np.ptp(frame.arrays["positions"][:, 2])
     assert frame.is_minimum and rise == pytest.approx(own.height_mm, rel=0.1)
 
 
@@ -135,13 +136,13 @@ def test_an_error_leaves_the_old_shape(engine: EnginePipe) -> None:
         assert (problem.kind, problem.field) == ("design", field) and "\n" not in problem.text
     assert problem.stars == ((1, 0),) and problem.at_mm is not None
     engine.send(Edit(9, table()))
-    assert engine.frame(9).positions == pytest.approx(before.positions, abs=1e-4)
+    assert engine.frame(9).arrays["positions"] == pytest.approx(before.arrays["positions"], abs=1e-4)
 
 
 def test_stars_without_a_law_are_left_to_the_exact_model(engine: EnginePipe) -> None:
     engine.send(Edit(1, table(fabric={"bending": "none"})))
     frame = engine.frame(1, "printed")
-    assert len(frame.arms) and not frame.positions[:, 2].any()
+    assert len(frame.arrays["arms"]) and not frame.arrays["positions"][:, 2].any()
     engine.send(Edit(2, table()))
     assert engine.frame(2).is_minimum
 
@@ -156,16 +157,16 @@ def test_an_error_of_the_first_edit_is_no_end(engine: EnginePipe) -> None:
 def test_removed_stars_have_no_arms(engine: EnginePipe) -> None:
     engine.send(Edit(1, table()))
     engine.frame(1)
-    engine.send(Edit(2, removed=np.array([[0, 0]])))
+    engine.send(Edit(2, table(), removed=np.array([[0, 0]])))
     frame = engine.frame(2)
-    mesh = [answer for answer in engine.answers if isinstance(answer, ShownMesh)][-1]
-    assert frame.mesh == mesh.mesh and 0 not in mesh.arm_site and len(frame.arms) == len(mesh.arm_site) == 36 * 3
-    engine.send(Edit(3, removed=np.empty((0, 2))))
-    assert len(engine.frame(3).arms) == 37 * 3
+    arm_site = engine.meshes()[frame.mesh]["arm_site"]
+    assert 0 not in arm_site and len(frame.arrays["arms"]) == len(arm_site) == 36 * 3
+    engine.send(Edit(3, table()))
+    assert len(engine.frame(3).arrays["arms"]) == 37 * 3
 
 
 def test_long_work_gives_signs_of_life(engine: EnginePipe, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("asterism.studio.search_bounds.SIGN_EVERY_S", 0.0)
+    monkeypatch.setattr("asterism.studio.inbox.SIGN_EVERY_S", 0.0)
     engine.send(Edit(1, table()))
     engine.frame(1)
     assert any(isinstance(answer, Busy) and answer.seq == 1 for answer in engine.answers)
@@ -198,23 +199,23 @@ def test_time_in_which_cells_are_learned_is_no_search() -> None:
 def test_work_that_takes_too_long_is_given_up(engine: EnginePipe, monkeypatch: pytest.MonkeyPatch) -> None:
     engine.send(Edit(1, table()))
     before = engine.frame(1)
-    monkeypatch.setattr("asterism.studio.search_bounds.MAX_SEARCH_S", 0.02)
+    monkeypatch.setattr("asterism.studio.inbox.MAX_SEARCH_S", 0.02)
     engine.send(Edit(2, table(border={"rings": 4})))
     assert engine.problem(2).kind == "too long"
     monkeypatch.undo()
     engine.send(Edit(3, table()))
-    assert engine.frame(3).positions == pytest.approx(before.positions, abs=1e-4)
+    assert engine.frame(3).arrays["positions"] == pytest.approx(before.arrays["positions"], abs=1e-4)
 
 
 def test_a_sheet_without_stars_is_flat_and_released(engine: EnginePipe) -> None:
     engine.send(Edit(1, table(stars={"length_mm": 0.0})))
     blank = engine.frame(1, "exact")
     outline = layout(asterism.Design.from_dict(table())).outline
-    assert np.ptp(blank.positions, axis=0) == pytest.approx([*np.ptp(outline, axis=0) / 1.35, 0.0], rel=1e-5)
-    assert blank.is_minimum and len(blank.arms) == 0 and "no stars" in engine.summary(1).warnings[0].text
+    assert np.ptp(blank.arrays["positions"], axis=0) == pytest.approx([*np.ptp(outline, axis=0) / 1.35, 0.0], rel=1e-5)
+    assert blank.is_minimum and len(blank.arrays["arms"]) == 0 and "no stars" in engine.summary(1).warnings[0].text
     engine.send(Edit(2, table()))
-    assert len(engine.frame(2).arms) == 37 * 3
-    engine.send(Edit(3, removed=layout(asterism.Design.from_dict(table())).sheet_sites))
-    assert len(engine.frame(3, "exact").arms) == 0
-    engine.send(Edit(4, removed=np.empty((0, 2))))
-    assert len(engine.frame(4).arms) == 37 * 3
+    assert len(engine.frame(2).arrays["arms"]) == 37 * 3
+    engine.send(Edit(3, table(), removed=layout(asterism.Design.from_dict(table())).sheet_sites))
+    assert len(engine.frame(3, "exact").arrays["arms"]) == 0
+    engine.send(Edit(4, table()))
+    assert len(engine.frame(4).arrays["arms"]) == 37 * 3

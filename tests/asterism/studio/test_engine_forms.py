@@ -23,7 +23,7 @@ def test_a_search_can_be_cancelled_and_the_shape_stays(engine: EnginePipe) -> No
     engine.send(Cancel(2), Edit(2, table(border={"rings": 4})))
     assert engine.problem(2).kind == "cancelled"
     engine.send(Edit(3, table()))
-    assert engine.frame(3).positions == pytest.approx(before.positions, abs=1e-4)
+    assert engine.frame(3).arrays["positions"] == pytest.approx(before.arrays["positions"], abs=1e-4)
 
 
 @pytest.mark.slow
@@ -43,9 +43,9 @@ def test_a_snapshot_brings_its_form_back(engine: EnginePipe) -> None:
     first = engine.frame(1)
     engine.send(Flip(2))
     flipped = engine.frame(2)
-    assert np.abs(flipped.positions - first.positions).max() > 1.0
+    assert np.abs(flipped.arrays["positions"] - first.arrays["positions"]).max() > 1.0
     engine.send(Edit(3, narrow(), is_opened=True, snapshot=first.snapshot))
-    assert engine.frame(3).positions == pytest.approx(first.positions, abs=1e-4)
+    assert engine.frame(3).arrays["positions"] == pytest.approx(first.arrays["positions"], abs=1e-4)
     # of another mesh: the shape is found anew
     engine.send(Edit(4, narrow(border={"rings": 2}), is_opened=True, snapshot=first.snapshot))
     assert engine.frame(4).is_minimum
@@ -91,7 +91,7 @@ def test_an_edit_goes_on_from_an_opened_design_and_never_from_the_one_before(eng
     assert engine.problem(2).kind == "cancelled"
     engine.send(Flip(3))
     assert engine.problem(3).kind == "no other side"
-    engine.send(Edit(4, sites=np.array([[0, 0]]), sizes_mm=np.array([[8.0, np.nan, np.nan]])))
+    engine.send(Edit(4, table(), sites=np.array([[0, 0]]), sizes_mm=np.array([[8.0, np.nan, np.nan]])))
     edited = asterism.Design.from_dict(table(stars={"override": [{"site": [0, 0], "length_mm": 8.0}]}))
     height = engine.summary(4).numbers["height_mm"]
     assert height == pytest.approx(asterism.preview(edited).height_mm, rel=1e-9)
@@ -99,7 +99,7 @@ def test_an_edit_goes_on_from_an_opened_design_and_never_from_the_one_before(eng
 
 @pytest.mark.slow
 def test_a_flip_waits_for_the_shape_of_the_edit_before(engine: EnginePipe, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("asterism.studio.search_bounds.STALE_S", 0.0)
+    monkeypatch.setattr("asterism.studio.inbox.STALE_S", 0.0)
     engine.send(Edit(1, narrow(), is_opened=True), Flip(2))
     first = engine.frame(1)
     assert engine.frame(2).height_mm < first.height_mm
@@ -112,7 +112,7 @@ def test_a_new_engine_goes_to_the_form_of_the_last_one(engine: EnginePipe) -> No
     flipped = other.frame(2)
     other.close()
     engine.send(Edit(3, narrow(), snapshot=flipped.snapshot))
-    assert engine.frame(3).positions == pytest.approx(flipped.positions, abs=1e-4)
+    assert engine.frame(3).arrays["positions"] == pytest.approx(flipped.arrays["positions"], abs=1e-4)
 
 
 @pytest.mark.slow
@@ -134,10 +134,10 @@ def test_other_forms_are_listed_and_shown(engine: EnginePipe) -> None:
 def test_free_sheets_keep_their_pose_while_they_change(engine: EnginePipe) -> None:
     engine.send(Edit(1, table("tube")))
     first = engine.frame(1)
-    assert first.positions[:, 2].min() == pytest.approx(0.0, abs=1e-5) and len(first.needles) == 0
-    engine.send(Edit(2, sites=np.array([[0, 0]]), sizes_mm=np.array([[np.nan, 0.41, np.nan]])))
+    assert first.arrays["positions"][:, 2].min() == pytest.approx(0.0, abs=1e-5) and len(first.arrays["needles"]) == 0
+    engine.send(Edit(2, table("tube"), sites=np.array([[0, 0]]), sizes_mm=np.array([[np.nan, 0.41, np.nan]])))
     linear, final = engine.frame(2, "linear"), engine.frame(2)
-    assert np.abs(linear.positions - final.positions).max() < 3.0
+    assert np.abs(linear.arrays["positions"] - final.arrays["positions"]).max() < 3.0
     assert engine.summary(2).numbers["height_mm"] > 0.0
 
 

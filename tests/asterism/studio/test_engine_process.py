@@ -13,7 +13,7 @@ import pytest
 import asterism
 from asterism.pattern.layout.build import layout
 from asterism.studio.engine import run_engine
-from asterism.studio.messages import Edit, Flip, Frame, Ready, ShapeSummary, ShowForm, Sign, Stop, StudioProblem
+from asterism.studio.messages import Edit, Flip, Frame, Ready, ShapeSummary, ShowForm, Sign, StudioProblem
 from tests.asterism.studio.engine_pipe import EnginePipe
 
 START_S = 180.0
@@ -92,14 +92,12 @@ def test_random_edits_have_a_shape_or_a_reason() -> None:
         if isinstance(answer, StudioProblem):
             assert answer.seq == seq and answer.kind != "error", answer.text
             continue
-        parts = (answer.positions, answer.curvature, answer.strain, answer.arms, answer.needles)
-        assert all(np.isfinite(part).all() for part in parts)
+        assert all(np.isfinite(part).all() for part in answer.arrays.values())
         if answer.snapshot is not None:
             sketcher.snapshots.append(answer.snapshot)
     # all undone: the first form
-    empty = np.empty((0, 2))
-    engine.send(Edit(50, table(), empty, np.empty((0, 3)), empty, is_opened=True, snapshot=first.snapshot))
-    assert engine.frame(50).positions == pytest.approx(first.positions, abs=1e-3)
+    engine.send(Edit(50, table(), is_opened=True, snapshot=first.snapshot))
+    assert engine.frame(50).arrays["positions"] == pytest.approx(first.arrays["positions"], abs=1e-3)
     engine.close()
 
 
@@ -118,11 +116,11 @@ def test_an_engine_serves_in_a_process_gives_signs_and_ends_with_its_pipe() -> N
     assert any(isinstance(answer, Ready) for answer in answers)
     frame = next(answer for answer in answers if isinstance(answer, Frame))
     # forms travel to the server and back
-    ours.send(Edit(2, is_opened=True, snapshot=frame.snapshot))
+    ours.send(Edit(2, table(), is_opened=True, snapshot=frame.snapshot))
     while not (isinstance(answers[-1], Frame) and answers[-1].seq == 2):
         assert ours.poll(START_S)
         answers.append(ours.recv())
-    assert np.abs(answers[-1].positions - frame.positions).max() < 1e-4
+    assert np.abs(answers[-1].arrays["positions"] - frame.arrays["positions"]).max() < 1e-4
     if hasattr(signal, "SIGSTOP"):  # it gives signs until it hangs
         assert process.pid is not None
         while not isinstance(ours.recv(), Sign):
@@ -132,6 +130,6 @@ def test_an_engine_serves_in_a_process_gives_signs_and_ends_with_its_pipe() -> N
             ours.recv()
         assert not ours.poll(3.0)
         os.kill(process.pid, signal.SIGCONT)
-    ours.send(Stop())
+    ours.close()
     process.join(START_S)
     assert process.exitcode == 0

@@ -49,14 +49,14 @@ def test_a_verification_sends_numbers_and_then_the_exact_shape_beside_the_previe
     seconds = [report.seconds for report in reports]
     assert seconds == sorted(seconds)
 
-    assert isinstance(result, Settled) and result.job == 3 and result.mesh.mesh == -3
+    assert isinstance(result, Settled) and result.job == 3
     assert {Path(name).name for name in result.files} == {
         *("report.html", "summary.json"),
         *(f"{sheet}.{kind}" for sheet in ("exact", "preview") for kind in ("vtu", "obj")),
     }
     assert all(Path(name).is_file() for name in result.files)
-    exact, preview = result.frame.positions, result.frame.before.positions
-    assert exact.shape == preview.shape == (len(result.mesh.printed), 3)
+    exact, preview = (result.frame.arrays[name] for name in ("positions", "before"))
+    assert exact.shape == preview.shape == (len(result.frame.mesh_arrays["printed"]), 3)
     # the summary compares cell means, without the stars' bumps
     rms = np.sqrt(np.mean(np.sum((exact - preview) ** 2, axis=1))) / result.summary["diameter_mm"] * 100.0
     assert rms == pytest.approx(result.summary["rms_percent"], rel=0.5)

@@ -107,7 +107,7 @@ def test_a_job_that_is_ended_leaves_no_hidden_folder(
     if how == "cancel":
         page.send(type="cancel")
     else:
-        os.kill(studio.jobs._running.child._process.pid, signal.SIGKILL)  # type: ignore[union-attr]
+        os.kill(studio.jobs._running.child.process.pid, signal.SIGKILL)  # type: ignore[union-attr]
     assert page.until("result")["job"] == "verify"
     assert page.until("state")["jobs"] == {} and [file.name for file in folder.iterdir()] == ["dome.toml"]
 

@@ -13,6 +13,7 @@ from asterism.studio import jobs
 from asterism.studio.messages import Edit, Parts
 from asterism.studio.studio import Studio
 from tests.asterism.studio.conftest import HOST, TOKEN, Page
+from tests.asterism.studio.flat_frames import flat_frame
 from tests.asterism.studio.quick_engines import GATE
 from tests.asterism.studio.test_target import ROOF, send_roof
 
@@ -138,7 +139,7 @@ def test_a_shape_that_waits_is_not_sent_as_that_of_the_opened_design(
     page.until("shape")
     (tab,) = studio.tabs
     tab._in_flight = 99  # the page draws something that takes long
-    tab.show(1, {"revision": 0}, {})
+    tab.show(flat_frame(1), 0)
     monkeypatch.setattr(studio.engine.link, "ask", lambda message: None)
     page.send(type="open", gallery="cone")
     page.until("document", name="cone")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +16,7 @@ from asterism.studio.painted_field import STEP_MM, Brush, PaintedField
 from asterism.studio.requests import RequestError, read_request
 
 OUTLINE = np.array([[-20.0, -10.0], [30.0, -10.0], [30.0, 15.0], [-20.0, 15.0]])
-BRUSH = Brush("set", 8.0, 1.0, 0.9, 0.05, 5.0)
+BRUSH = Brush(mode="set", radius=8.0, strength=1.0, value=0.9, low=0.05, high=5.0)
 GRID = """name = "grid"
 [rods]
 thickness_mm = 0.4  # of all lines
@@ -56,14 +55,14 @@ def test_a_dab_reaches_its_value_in_the_middle_and_nothing_beyond_its_radius() -
 
 
 def test_images_of_a_place_are_painted_once_where_they_overlap_and_values_stay_in_the_range() -> None:
-    brush = replace(BRUSH, mode="add", value=0.1)
+    brush = BRUSH.model_copy(update=dict(mode="add", value=0.1))
     twice = PaintedField.of(0.4, OUTLINE).brushed(brush, [[(0.5, 0.5), (0.5, 0.5)]])
     assert twice.values.max() == pytest.approx(0.5)
-    assert twice.brushed(replace(brush, value=3.0, high=0.7), [[(0.0, 0.0)]] * 3).values.max() == 0.7
+    assert twice.brushed(brush.model_copy(update=dict(value=3.0, high=0.7)), [[(0.0, 0.0)]] * 3).values.max() == 0.7
 
 
 def test_smoothing_lowers_hills_and_leaves_an_even_field() -> None:
-    smooth = replace(BRUSH, mode="smooth", radius=12.0)
+    smooth = BRUSH.model_copy(update=dict(mode="smooth", radius=12.0))
     hill = PaintedField.of(0.4, OUTLINE).brushed(BRUSH, [[(5.5, 0.5)]])
     after = hill.brushed(smooth, [[(5.5, 0.5)]])
     assert 0.4 < after.values.max() < 0.8 and after.values.min() >= 0.4
@@ -92,7 +91,7 @@ def test_large_sheets_have_at_most_256_values_a_side() -> None:
 
 
 def test_a_stroke_is_one_step_of_undo_and_its_dabs_are_not_rounded_in_between(grid: Document) -> None:
-    brush = replace(BRUSH, strength=0.002)
+    brush = BRUSH.model_copy(update=dict(strength=0.002))
     for _ in range(50):
         grid.brush("thickness_mm", brush, [[(0.5, 0.5)]], gesture=1)
     grid.end_gesture()
@@ -123,7 +122,7 @@ def test_a_stroke_beside_the_sheet_is_no_step_of_undo(grid: Document) -> None:
 
 def test_thickness_and_width_are_painted_apart(grid: Document) -> None:
     grid.brush("thickness_mm", BRUSH, [[(0.0, 0.0)]])
-    grid.brush("width_mm", replace(BRUSH, value=2.0), [[(0.0, 0.0)]])
+    grid.brush("width_mm", BRUSH.model_copy(update=dict(value=2.0)), [[(0.0, 0.0)]])
     rods = Design.from_dict(grid.table).required_rods
     assert isinstance(rods.thickness_mm, PictureProfile) and rods.thickness_mm.high == pytest.approx(0.9, abs=0.03)
     assert isinstance(rods.width_mm, PictureProfile) and rods.width_mm.high == pytest.approx(2.0, abs=0.03)
@@ -138,7 +137,7 @@ def test_sheets_of_stars_are_refused(tmp_path: Path) -> None:
 def test_messages_of_the_brush_are_checked() -> None:
     message = '{"type": "brush", "size": "width_mm", "mode": "set", "radius": 5, "strength": 1, "low": 0.1, "high": 9,'
     request = read_request(message + ' "value": 2, "places": [[[0, 1]], [[2, 3], [-2, 3]]], "end": false}')
-    assert request.brush.value == 2.0 and request.places[1] == [(2.0, 3.0), (-2.0, 3.0)]  # type: ignore[attr-defined]
+    assert request.value == 2.0 and request.places[1] == [(2.0, 3.0), (-2.0, 3.0)]  # type: ignore[attr-defined]
     with pytest.raises(RequestError):
         read_request(message + ' "places": [[]]}')
     with pytest.raises(RequestError):

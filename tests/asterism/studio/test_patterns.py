@@ -12,7 +12,7 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.previews import session as preview_session
 from asterism.studio.document import Document
-from asterism.studio.messages import Edit, Limits, Rested, ShownMesh
+from asterism.studio.messages import Edit, Limits, Rested
 from asterism.studio.page_data import document_data
 from asterism.studio.sheet_frames import NO_SITE, ribbon_stations
 from tests.asterism.previews.motifs.nets import net, net_law
@@ -75,16 +75,15 @@ def test_ribbons_follow_curves_and_taper(tmp_path: Path) -> None:
 
 
 def test_a_pattern_without_a_preview_is_left_to_the_exact_model(engine: EnginePipe, cross: Document) -> None:
-    empty: dict[str, Any] = {"sites": np.empty((0, 2)), "sizes_mm": np.empty((0, 3)), "removed": np.empty((0, 2))}
-    engine.send(Edit(1, cross.table, **empty))
+    engine.send(Edit(1, cross.table))
     frame = engine.frame(1, "printed")
-    (mesh,) = [answer for answer in engine.answers if isinstance(answer, ShownMesh)]
-    assert frame.positions[:, :2] == pytest.approx(mesh.printed) and not frame.positions[:, 2].any()
-    assert frame.arms[:, :, :2, 2].min() == pytest.approx(0.4) and len(frame.arms) == len(mesh.arm_site)
+    places, arms, mesh = frame.arrays["positions"], frame.arrays["arms"], frame.mesh_arrays
+    assert places[:, :2] == pytest.approx(mesh["printed"]) and not places[:, 2].any()
+    assert arms[:, :, :2, 2].min() == pytest.approx(0.4) and len(arms) == len(mesh["arm_site"])
     rested = engine.until(lambda answer: isinstance(answer, Rested))
     assert rested.shape is None and 0.5 < rested.seconds < 20.0
-    engine.send(Edit(2, {**cross.table, "border": {"rectangle_mm": [32.0, 20.0]}}, **empty))
-    assert np.ptp(engine.frame(2, "printed").positions[:, 0]) == pytest.approx(32.0)
+    engine.send(Edit(2, {**cross.table, "border": {"rectangle_mm": [32.0, 20.0]}}))
+    assert np.ptp(engine.frame(2, "printed").arrays["positions"][:, 0]) == pytest.approx(32.0)
 
 
 @pytest.mark.slow
@@ -92,10 +91,10 @@ def test_a_motif_rises_while_its_sizes_are_edited(engine: EnginePipe, monkeypatc
     monkeypatch.setattr(preview_session, "serving_law", lambda design, plan, known, say: net_law(design, known, say))
     engine.send(Edit(1, net().to_dict()))
     frame = engine.frame(1)
-    (mesh,) = [answer for answer in engine.answers if isinstance(answer, ShownMesh)]
     (limits,) = [answer for answer in engine.answers if isinstance(answer, Limits)]
     assert not limits.law and not limits.stretches  # a motif has cells where its sizes are
-    assert frame.is_minimum and frame.height_mm > 1.0 and len(frame.arms) == len(mesh.arm_site) > 20
+    assert frame.is_minimum and frame.height_mm > 1.0
+    assert len(frame.arrays["arms"]) == len(frame.mesh_arrays["arm_site"]) > 20
     summary = engine.summary(1)
     assert summary.numbers["expected_rms_percent"] > 0.0
     engine.send(Edit(2, net(0.5).to_dict()))
@@ -115,9 +114,9 @@ def test_a_sheet_rises_around_a_held_hole_whose_size_is_edited(
 
     engine.send(Edit(1, holed(9.0)))
     frame = engine.frame(1)
-    assert frame.is_minimum and len(frame.needles) >= 1
+    assert frame.is_minimum and len(frame.arrays["needles"]) >= 1
     engine.send(Edit(2, holed(8.0)))
     engine.frame(2)
-    (first, *_, last) = [answer for answer in engine.answers if isinstance(answer, ShownMesh)]
-    away = [float(np.linalg.norm(mesh.printed, axis=1).min()) for mesh in (first, last)]
+    (first, *_, last) = engine.meshes().values()
+    away = [float(np.linalg.norm(mesh["printed"], axis=1).min()) for mesh in (first, last)]
     assert away == pytest.approx([9.0, 8.0], abs=0.1)

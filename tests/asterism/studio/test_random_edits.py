@@ -121,7 +121,7 @@ def test_random_edits_are_answered_and_undone(tmp_path: Path):
 
 def memory_of(studio: Studio) -> list[float]:
     """Resident memory (MB) of the server and the engine; nothing where the system does not tell."""
-    processes = (os.getpid(), studio.engine.link._child._process.pid)
+    processes = (os.getpid(), studio.engine.link._child.process.pid)
     files = [Path(f"/proc/{process}/status") for process in processes]
     texts = [file.read_text() for file in files if file.exists()]
     return [round(int(text.split("VmRSS:")[1].split()[0]) / 1024) for text in texts]

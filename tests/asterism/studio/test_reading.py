@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from starlette.testclient import TestClient
 
-from asterism.studio import reading
+from asterism.studio import uploads
 from tests.asterism.studio.conftest import HOST, TOKEN, Page
 
 
@@ -36,8 +36,8 @@ def test_a_file_that_takes_too_long_is_left_and_its_process_ends(
 ) -> None:
     (tmp_path / "started").mkdir()
     monkeypatch.setenv("ASTERISM_TEST_GATE", str(tmp_path / "started"))
-    monkeypatch.setattr(reading, "_READER", f"{__name__}:read_for_ever")
-    monkeypatch.setattr(reading, "MAX_READ_S", 10.0)
+    monkeypatch.setattr(uploads, "_READER", f"{__name__}:read_for_ever")
+    monkeypatch.setattr(uploads, "MAX_READ_S", 10.0)
     answer = send(client)
     assert answer.status_code == 422 and "heavy.svg: is not read after 10 s" in answer.json()["problem"]["text"]
     (started,) = (tmp_path / "started").iterdir()
@@ -50,5 +50,5 @@ def test_a_file_that_takes_too_long_is_left_and_its_process_ends(
 
 @pytest.mark.slow
 def test_a_process_that_is_ended_for_its_memory_is_named(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(reading, "_READER", f"{__name__}:need_memory")
+    monkeypatch.setattr(uploads, "_READER", f"{__name__}:need_memory")
     assert send(client).json()["problem"]["text"] == "heavy.svg: needs too much memory: simplify it"

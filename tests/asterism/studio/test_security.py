@@ -11,9 +11,9 @@ from PIL import Image
 from starlette.testclient import TestClient
 from starlette.websockets import WebSocketDisconnect
 
+from asterism.studio.pages import MAX_TABS
 from asterism.studio.requests import MAX_REQUEST_BYTES
 from asterism.studio.studio import Studio
-from asterism.studio.tab import MAX_TABS
 from asterism.studio.uploads import MAX_UPLOAD_BYTES
 from tests.asterism.studio.conftest import HOST, TOKEN, Page
 

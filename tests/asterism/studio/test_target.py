@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from starlette.testclient import TestClient
 
-from asterism.studio import frames
 from asterism.studio.messages import FitTarget, Parts, TargetPose
 from asterism.studio.studio import Studio
 from asterism.studio.target import TARGET
 from tests.asterism.fitting.test_load_target import nurbs_vault, rhino_file
 from tests.asterism.studio.conftest import HOST, TOKEN, Page
+from tests.asterism.studio.flat_frames import unpack
 
 # twelve by nine points
 GRID = [(float(x), float(y), x * y / 10.0) for y in range(9) for x in range(12)]
@@ -32,7 +32,7 @@ def send_roof(client: TestClient, name: str = "roof.obj") -> dict[str, Any]:
 
 def shown(client: TestClient) -> Any:
     """(V, 3) places of the target as a page gets them."""
-    kind, _, arrays = frames.unpack(client.get(f"/{TOKEN}/target").content)
+    kind, _, arrays = unpack(client.get(f"/{TOKEN}/target").content)
     assert kind == TARGET and arrays["triangles"].shape == (176, 3)
     return arrays["positions"]
 

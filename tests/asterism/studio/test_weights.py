@@ -13,9 +13,9 @@ from asterism.studio import jobs
 from asterism.studio.document import Document
 from asterism.studio.messages import Edit
 from asterism.studio.requests import RequestError
+from asterism.studio.star_sizes import weights_by_site
 from asterism.studio.studio import Studio
-from asterism.studio.target import Target
-from asterism.studio.weights import sheet_weights, weights_by_site
+from asterism.studio.target import Target, sheet_weights
 from tests.asterism.studio.conftest import Page
 from tests.asterism.studio.test_target import send_roof
 
@@ -32,7 +32,7 @@ def test_a_stroke_is_one_step_of_undo_and_leaves_the_shape(page: Page, studio: S
     page.send(type="weigh", gesture=1, end=True, sites=[[0, 0], [1, 0]], weights=[4.00044, 3.0])
     assert weights(page) == {(0, 0): 4.0, (1, 0): 3.0}
     edits = [edit for edit in studio.engine.link.edits if isinstance(edit, Edit)]  # type: ignore[attr-defined]
-    assert edits[0].design is not None and all(edit.design is None for edit in edits[1:])
+    assert all(edit.design == edits[0].design for edit in edits)
     page.send(type="weigh", gesture=2, sites=[[1, 0]], weights=[None])
     assert weights(page) == {(0, 0): 4.0}
     page.send(type="undo")
