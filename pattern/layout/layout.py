@@ -79,7 +79,8 @@ class Layout:
         if self.drawn is not None:
             return self.drawn
         count, places = len(self.centres), np.concatenate([self.centres, self.arm_tip])
-        node, nodes = np.arange(len(places)), places
+        node: Ints = np.arange(len(places))
+        nodes = places
         if self.meeting_mm > 0.0:
             node, nodes = clusters(places, self.meeting_mm)
         points = np.stack([self.centres[self.arm_star], self.arm_tip], axis=1)

@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike
 from asterism.equilibrium.arrays import Ints
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.stars import Override, Site
-from asterism.pattern.layout.star_cells import outline, site_of, star_cells
+from asterism.pattern.layout.build import sheet_sites
+from asterism.pattern.layout.star_cells import site_of
 
 SIZE_KEYS = ("length_mm", "thickness_mm", "width_mm")
 NO_SIZES = (None, None, None)
@@ -66,8 +67,8 @@ def overrides_by_site(design: Design) -> list[Override]:
     Entries that no star fits stay as they are, and so do second entries of one star: `layout` names them.
     """
     lattice, entries = design.lattice, list(design.required_stars.override)
-    numbered = [entry.star for entry in entries if entry.star is not None]
-    cells = star_cells(design.border, lattice, outline(design.border, lattice)) if numbered else np.empty((0, 2))
+    is_numbered = any(entry.star is not None for entry in entries)
+    cells = sheet_sites(design) if is_numbered else np.empty((0, 2), dtype=np.int64)
     out: list[Override] = []
     for entry in entries:
         site = site_of(entry, cells, lattice)

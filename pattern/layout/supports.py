@@ -200,8 +200,10 @@ class PinSet:
 
     def stands_as(self, other: PinSet) -> bool:
         """Whether another set that holds the same points holds them at the same places in space."""
-        mine, others = ((pins.target_mm, pins.scale, pins.offset_mm) for pins in (self, other))
-        return all(map(np.array_equal, mine, others))
+        if self.target_mm is None or other.target_mm is None:
+            same = (self.scale, self.offset_mm) == (other.scale, other.offset_mm)
+            return same and self.target_mm is other.target_mm
+        return np.array_equal(self.target_mm, other.target_mm)
 
     def is_active(self, step: int) -> bool:
         """Whether these pins support the sheet in a step."""

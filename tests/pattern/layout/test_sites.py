@@ -117,6 +117,14 @@ def test_painted_sites_are_whole(sites: Any) -> None:
         with_painted_stars(design(), sites, np.ones((len(sites), 3)))
 
 
+def test_numbers_of_stars_leave_out_those_that_a_hole_replaces() -> None:
+    border = {"rings": 2, "holes": [{"circle_mm": {"radius": 12.0}}]}
+    base = Design.from_dict(design([{"star": 3, "length_mm": 5.0}]).to_dict() | {"border": border})
+    (entry,) = overrides_by_site(base)
+    assert entry.site == tuple(layout(base).sheet_sites[3].tolist())
+    assert (sizes(layout(with_painted_stars(base, [], []))) == sizes(layout(base))).all()
+
+
 def test_entries_that_fit_no_star_are_named_by_the_layout() -> None:
     base = design([{"star": 400, "length_mm": 5.0}])
     assert overrides_by_site(base) == list(base.stars.override)
