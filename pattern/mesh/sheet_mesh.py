@@ -119,8 +119,7 @@ def _ring(
         fixed.append(np.r_[pinned or ends[k], np.ones(len(between), dtype=bool)])
     number = np.concatenate(side)
     coarse, coarse_side = coarse_outline(np.concatenate(points), edge_mm, np.flatnonzero(np.concatenate(fixed)))
-    far = np.abs(ring).max() * np.full((1, 2), 1e3)
-    fine = outline_points(coarse, edge_mm, np.empty((0, 2)), near, beside if len(beside) else far)
+    fine = outline_points(coarse, edge_mm, np.empty((0, 2)), near, beside)
     corner = cKDTree(fine).query(coarse)[1]
     return fine, np.repeat(number[coarse_side], np.diff([*corner, len(fine)]))
 
