@@ -14,7 +14,7 @@ from asterism.pattern.geometry.planar import distance_to_segment, is_in_sorted, 
 
 # closer than this, relative to the extent of the input, points count as one and segments as touching
 COINCIDENCE_TOLERANCE = 1e-8
-MAX_ADDED_POINTS = 1_000_000
+MAX_ADDED_POINTS = 2_000_000
 
 
 def triangulate(
@@ -62,19 +62,19 @@ def triangulate(
     if min_angle_deg is not None:
         options += f"q{min_angle_deg:.6f}"
     if max_area is not None:
-        smallest = max(max_area / scale**2, 1e-12)
-        options += f"a{smallest:.20f}"
-        room += 2 * np.prod(np.ptp(unit, axis=0)) / smallest
-    room = min(int(room), MAX_ADDED_POINTS)
+        options += f"a{max_area / scale**2:.20f}"
+        room += 2 * np.prod(np.ptp(unit, axis=0)) * scale**2 / max_area
+    if room > MAX_ADDED_POINTS:
+        raise MeshError(f"about {room:.2g} points would be added, more than {MAX_ADDED_POINTS}: use a longer edge")
     if options != "p":
-        options += f"YYS{room}"
+        options += f"YYS{int(room)}"
     data = {"vertices": unit, "segments": s.astype(np.int32)}
     if len(h):
         data["holes"] = holes_at
     result = triangle.triangulate(data, options)
     mesh, triangles = np.asarray(result["vertices"]), np.asarray(result.get("triangles", ()), dtype=np.int64)
-    if len(mesh) - len(p) >= room:
-        raise MeshError(f"the mesh would need more than {room} points: use a longer edge")
+    if len(mesh) - len(p) >= int(room):
+        raise MeshError(f"the mesh would need more than {int(room)} points: use a longer edge")
     _check_result(mesh, triangles.reshape(-1, 3), s, area)
     return np.concatenate([p, mesh[len(p) :] * scale + centre]), triangles
 
