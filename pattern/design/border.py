@@ -16,7 +16,6 @@ from asterism.pattern.design.section import Line, Number, Point, Section, Text, 
 from asterism.pattern.geometry.planar import distance_to_segment
 
 MAX_SHEET_MM = 5000.0
-MIN_CORNER_DISTANCE_MM = 1e-3
 MIN_SHEET_AREA_MM2 = 1.0
 # A spike or a slit is thinner than this, and much longer.
 MIN_SHEET_WIDTH_MM = 0.01
@@ -131,7 +130,7 @@ def _check_polygon(polygon: tuple[Point, ...]) -> None:
     if np.abs(corners).max() > MAX_SHEET_MM:
         raise error(f"must be within {MAX_SHEET_MM:g} mm of the origin")
     step = np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1)
-    if step.min() < MIN_CORNER_DISTANCE_MM:
+    if step.min() < 1e-3:
         repeated = polygon[(int(step.argmin()) + 1) % len(polygon)]
         raise error("must not repeat a corner (nor the first at the end)", repeated, repeated)
     sheet = shapely.polygons(corners)

@@ -33,9 +33,6 @@ MEANT_KEYS = {
 _FIELD = re.compile(r"(\w+)(?:\.\w+|\[\d+\])*(?= = |: )")
 # least and largest weight of a place; places without one have the weight 1
 WEIGHT_RANGE = (0.01, 100.0)
-# edges of the paper's meshes
-HINGE_EDGE_MM = 2.0
-USUAL_EDGES_PER_SPACING = 9
 
 
 class WeightedSite(Section):
@@ -221,13 +218,13 @@ class Design(Section):
         (2.0, None, 1.925)
         """
         if self.mesh.edge_mm is None and not self.fabric.bends_as_plate:
-            return HINGE_EDGE_MM
+            return 2.0  # edges of the paper's meshes
         return self.mesh.edge_mm
 
     @property
     def usual_edge_mm(self) -> float:
         """Length of the mesh's edges, for what needs one mesh also where the tolerance decides."""
-        return self.mesh_edge_mm or self.lattice.spacing_mm / USUAL_EDGES_PER_SPACING
+        return self.mesh_edge_mm or self.lattice.spacing_mm / 9
 
     @property
     def graded_meshes(self) -> bool | Literal["aligned"]:

@@ -16,7 +16,6 @@ from asterism.pattern.layout.star_cells import site_of
 
 SIZE_KEYS = ("length_mm", "thickness_mm", "width_mm")
 NO_SIZES = (None, None, None)
-KEPT_ENTRIES = 20_000
 
 
 def with_painted_stars(design: Design, sites: ArrayLike, sizes_mm: ArrayLike, removed: ArrayLike = ()) -> Design:
@@ -76,7 +75,7 @@ def overrides_by_site(design: Design) -> list[Override]:
     return out
 
 
-@lru_cache(maxsize=KEPT_ENTRIES)
+@lru_cache(maxsize=20_000)
 def _entry(site: Site, length: float | None, thickness: float | None, width: float | None) -> Override:
     """The entry of a star, without its checks; of a removed one if it has no size. A stroke changes few of many."""
     sizes: dict[str, Any] = dict(zip(SIZE_KEYS, (length, thickness, width), strict=True))

@@ -7,15 +7,6 @@ import numpy as np
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.layout.layout import Layout
 
-# rotation of the normal from one end of the sheet to the other
-MIN_ROLL_RAD = 1.0
-# squared curvature along the axis over that across it
-MAX_ROLL_ASPECT = 0.3
-# mean curvature over its rms: a wave bends both ways
-MIN_ONE_SIDEDNESS = 0.5
-# factor on the three limits for sheets that are almost rolled
-ALMOST_ROLLED_FACTOR = 0.7
-
 
 def roll_axis_from_normals(layout: Layout, normal: Floats, almost: bool = False) -> float | None:
     """Axis of a rolled sheet in printed coordinates, 0 to 180 deg from the x axis; None for other shapes.
@@ -47,11 +38,13 @@ def roll_axis_from_normals(layout: Layout, normal: Floats, almost: bool = False)
     w = np.linalg.solve(square[fitted], product[fitted])
     total = (w @ np.swapaxes(w, 1, 2)).mean(axis=0)
     (low, high), vectors = np.linalg.eigh(total)
-    factor = ALMOST_ROLLED_FACTOR if almost else 1.0
-    if np.sqrt(high) * layout.diameter_mm < factor * MIN_ROLL_RAD or factor * low > MAX_ROLL_ASPECT * high:
+    factor = 0.7 if almost else 1.0
+    # the normal rotates by 1 rad or more from end to end, and the sheet bends little along the axis
+    if np.sqrt(high) * layout.diameter_mm < factor or factor * low > 0.3 * high:
         return None
     bends = np.cross(normal[fitted], vectors[:, 1] @ w)
-    if np.linalg.norm(bends.mean(axis=0)) < factor * MIN_ONE_SIDEDNESS * np.sqrt(high):
+    # a wave bends both ways
+    if np.linalg.norm(bends.mean(axis=0)) < factor * 0.5 * np.sqrt(high):
         return None
     x, y = vectors[:, 0]
     return float(np.degrees(np.arctan2(y, x)) % 180.0)

@@ -25,10 +25,6 @@ CURVE_TOLERANCES = 4.0
 MAX_ROTATION_ORDER = 12
 # a moment below this part of its largest possible value is zero
 ZERO_MOMENT = 1e-4
-# least number of inner points of a rod at which it is compared; a curve is compared at as many as it has points
-MIN_ROD_SAMPLES = 4
-# relative difference of sections that are equal: those of curves are evaluated at slightly different places
-SAME_SECTION = 1e-3
 
 
 @dataclass(frozen=True)
@@ -101,7 +97,8 @@ class _Pattern:
         curve_mm = 0.0 if drawing is None else max(drawing.curve_mm, IMPORT_CURVE_MM)
         even = SYMMETRY_TOLERANCE * layout.spacing_mm
         self.tolerance = even + CURVE_TOLERANCES * curve_mm
-        self._same_section = SYMMETRY_TOLERANCE if drawing is None else SAME_SECTION
+        # sections of curves are evaluated at slightly different places
+        self._same_section = SYMMETRY_TOLERANCE if drawing is None else 1e-3
         self._edges = shapely.multilinestrings([shapely.linearrings(ring) for ring in layout.edges.rings])
         # the edges of holes may be curves also on sheets of stars
         off = [self.tolerance, *[even + CURVE_TOLERANCES * max(curve_mm, IMPORT_CURVE_MM)] * len(layout.holes)]
@@ -112,11 +109,13 @@ class _Pattern:
         ends = np.bincount([node for rod in rods for node in (rod.start, rod.end)], minlength=len(graph.nodes))
         self._free_ends = cKDTree(graph.nodes[ends == 1])
         # all rods, one after the other with gaps, on one line of stations
-        lengths, count = shapely.length(self._lines), [max(MIN_ROD_SAMPLES, len(rod.points)) for rod in rods]
+        lengths = shapely.length(self._lines)
         self._first = np.cumsum(lengths + 1.0) - lengths
         self._stations = np.concatenate([first + rod.arc_lengths for first, rod in zip(self._first, rods, strict=True)])
         self._sections = [np.concatenate([getattr(rod, key) for rod in rods]) for key in ("thickness", "width")]
         self._plastic = np.array([(np.inf if rod.kappa_bar is None else rod.kappa_bar, rod.side) for rod in rods])
+        # a rod is compared at four inner points, and a curve at as many as it has points
+        count = [max(4, len(rod.points)) for rod in rods]
         self._rod = np.repeat(np.arange(len(rods)), count)
         self._along = np.concatenate([(np.arange(n) + 0.5) / n for n in count]) * lengths[self._rod]
         places = shapely.line_interpolate_point(self._lines[self._rod], self._along)

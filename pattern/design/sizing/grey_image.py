@@ -17,7 +17,6 @@ from asterism.equilibrium.arrays import Floats
 
 MAX_PIXELS_A_SIDE = 256
 MAX_IMAGE_BYTES = 50_000_000
-MAX_SOURCE_PIXELS = 80_000_000
 Grey = NDArray[np.uint8]
 
 
@@ -60,7 +59,7 @@ def opened_picture(path: Path) -> Iterator[Any]:
         with warnings.catch_warnings():
             warnings.simplefilter("error", Image.DecompressionBombWarning)
             with Image.open(path) as picture:
-                if picture.width * picture.height > MAX_SOURCE_PIXELS:
+                if picture.width * picture.height > 80_000_000:
                     raise Image.DecompressionBombError
                 yield picture
     except (Image.DecompressionBombError, Image.DecompressionBombWarning):
