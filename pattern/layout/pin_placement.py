@@ -18,13 +18,7 @@ from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.pins import Pins
 from asterism.pattern.geometry.planar import distance_to_outline, inside
 from asterism.pattern.layout.sheet_edges import SheetEdges
-from asterism.pattern.layout.supports import (
-    FIXED_BY_SLIDE,
-    PinSet,
-    SupportCurve,
-    all_points,
-    sample_supports,
-)
+from asterism.pattern.layout.supports import FIXED_BY_SLIDE, PinSet, SupportCurve, all_points, sample_supports
 
 # length between two pins over the printed length; as large as `fabric.stretch` may be
 MAX_PULL = 3.0

@@ -18,21 +18,11 @@ from scipy.spatial import cKDTree
 
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.errors import MeshError
-from asterism.pattern.geometry.planar import (
-    cross_2d,
-    distance_to_outline,
-    inside,
-    mean_circumcentres,
-    triangle_angles,
-)
+from asterism.pattern.geometry.planar import cross_2d, distance_to_outline, inside, mean_circumcentres, triangle_angles
 from asterism.pattern.geometry.plane_lattice import GRID_DIRECTIONS
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.mesh import Mesh, check_edge, checked
-from asterism.pattern.mesh.outline_points import (
-    PIN_VERTEX_TOLERANCE_MM,
-    outline_points,
-    pin_vertices,
-)
+from asterism.pattern.mesh.outline_points import PIN_VERTEX_TOLERANCE_MM, outline_points, pin_vertices
 from asterism.pattern.mesh.triangulate import triangulate
 
 MAX_SMOOTHINGS = 4
