@@ -55,12 +55,6 @@ class TriangleFinder:
             triangle[left], weights[left] = self.nearest(points[left], candidates)
         return triangle, weights
 
-    def best_of_all(self, point: Float[np.ndarray, " 2"]) -> tuple[int, Float[np.ndarray, " 3"]]:
-        """The same for one point (2,) among all triangles."""
-        weights = self._weights_in(np.arange(len(self._corners))[None], point[None])[0]
-        best = int(weights.min(axis=-1).argmax())
-        return best, weights[best]
-
     def _weights_in(self, candidates: Ints, points: Floats) -> Floats:
         """(n, k, 3) weights of points (n, 2) in k triangles each."""
         offset = points[:, None] - self._corners[candidates, 0]
@@ -103,7 +97,7 @@ def locate(printed: Floats, triangles: Ints, points: Floats, off_sheet_mm: float
     # long triangles may hide their centroid from a point: those few points are tried in every triangle; a point on an
     # edge may have a negative weight by a rounding error
     for i in np.flatnonzero(weights.min(axis=1) < -1e-9):
-        triangle[i], weights[i] = finder.best_of_all(points[i])
+        triangle[i : i + 1], weights[i : i + 1] = finder.nearest(points[i : i + 1], len(triangles))
     weights = clipped(weights)
     allowed = max(off_sheet_mm, 1e-9 * float(np.ptp(printed, axis=0).max()))
     places = np.einsum("nk,nki->ni", weights, printed[triangles[triangle]])
