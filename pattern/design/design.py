@@ -20,7 +20,7 @@ from asterism.pattern.design.material_files import MaterialChoice, with_material
 from asterism.pattern.design.materials import Fabric, Plastic
 from asterism.pattern.design.pins import Pins
 from asterism.pattern.design.rods import Rods
-from asterism.pattern.design.section import Flag, Line, Number, Place, Section, Text, Whole
+from asterism.pattern.design.section import Flag, Line, Number, Place, Section, Whole
 from asterism.pattern.design.spread import Spread
 from asterism.pattern.design.stars import Site, Stars
 
@@ -133,7 +133,7 @@ class Design(Section):
     """
 
     name: Line = Field("design", min_length=1, max_length=100)
-    units: Text = "mm"
+    units: Literal["mm"] = "mm"
     material: MaterialChoice | None = None
     fabric: Fabric = Fabric()
     plastic: Plastic = Plastic()
@@ -174,11 +174,18 @@ class Design(Section):
         return with_drawings(data, (info.context or {}).get("folder", Path()))
 
     @model_validator(mode="after")
-    def _one_pattern(self) -> Self:
+    def _sections_go_together(self) -> Self:
         if self.stars is None and self.rods is None:
             raise DesignError("", "must have [stars] or [rods]")
         if self.rods is None and self.border.rods is not None:
             raise DesignError("border.rods", "goes with [rods]", self.border.rods)
+        if self.gravity.on and not self.fabric.has_scale:
+            message = "must be given with gravity on: the default, and strips, only give a ratio"
+            raise DesignError("fabric.modulus_mpa", message)
+        if self.mesh.graded and self.fabric.bending_follows_mesh:
+            kinds = 'needs fabric.bending = "plate", "consistent" or "none"'
+            message = f"{kinds}: the stiffness of the paper's hinges follows the mesh"
+            raise DesignError("mesh.graded", message, self.mesh.graded)
         return self
 
     @property
@@ -237,31 +244,6 @@ class Design(Section):
     def law_file(self) -> str | None:
         """The file of the law that the section `[material]` names."""
         return None if self.material is None else self.material.law
-
-    @field_validator("units")
-    @classmethod
-    def _millimetres(cls, units: str) -> str:
-        if units != "mm":
-            raise DesignError("", 'must be "mm": write all lengths in millimetres', units)
-        return units
-
-    @model_validator(mode="after")
-    def _modulus_with_gravity(self) -> Self:
-        if self.gravity.on and not self.fabric.has_scale:
-            raise DesignError(
-                "fabric.modulus_mpa", "must be given with gravity on: the default, and strips, only give a ratio"
-            )
-        return self
-
-    @model_validator(mode="after")
-    def _bending_of_graded_meshes(self) -> Self:
-        if self.mesh.graded and self.fabric.bending_follows_mesh:
-            message = (
-                'needs fabric.bending = "plate", "consistent" or "none": the stiffness of the paper\'s hinges follows '
-                "the mesh"
-            )
-            raise DesignError("mesh.graded", message, self.mesh.graded)
-        return self
 
     @classmethod
     def from_dict(cls, data: Mapping[str, Any], folder: str | Path = ".", file: str | Path | None = None) -> Design:
