@@ -7,9 +7,9 @@ from jaxtyping import Float
 
 
 def rigid_fit(
-    points: Float[np.ndarray, "n 3"], targets: Float[np.ndarray, "n 3"], weight: Float[np.ndarray, " n"] | None = None
-) -> tuple[Float[np.ndarray, "3 3"], Float[np.ndarray, " 3"]]:
-    """Rotation (3, 3), proper, and shift (3,) that bring points (n, 3) closest to targets: `x @ rotation.T + shift`.
+    points: Float[np.ndarray, "n d"], targets: Float[np.ndarray, "n d"], weight: Float[np.ndarray, " n"] | None = None
+) -> tuple[Float[np.ndarray, "d d"], Float[np.ndarray, " d"]]:
+    """Rotation (d, d), proper, and shift (d,) that bring points (n, d) closest to targets: `x @ rotation.T + shift`.
 
     Kabsch 1976, least squares with weights (n,).
     """

@@ -9,9 +9,11 @@ import numpy as np
 import shapely
 from scipy.optimize import least_squares
 from scipy.spatial import cKDTree
+from scipy.spatial.transform import Rotation
 
 from asterism.draw.render import VIEWS, camera
 from asterism.equilibrium.arrays import Floats
+from asterism.measure.compare.registration import SPREAD, Pose, closest_points
 from asterism.measure.compare.scan import MM, ScanError, check_file
 from asterism.pattern.drawing.read import MEET_MM, closed_curves, read_drawing
 from asterism.pattern.drawing.records import DrawingError, NoUnitError
@@ -172,9 +174,11 @@ def fit_outline(outline: Floats, target: Floats, trim: float = 0.1) -> OutlineFi
     tree = cKDTree(theirs)
     centre, goal = (np.array(shapely.Polygon(p).centroid.coords[0]) for p in (outline, target))
     few = ours[:: max(len(ours) // 400, 1)]
-    starts = np.arange(_ROTATION_STARTS) * 2 * np.pi / _ROTATION_STARTS
-    poses = [_closest_points(few, turn, goal - _turned(centre, turn), theirs, tree, trim) for turn in starts]
-    _, angle, shift = min(poses, key=lambda pose: pose[0])
+    angles = np.arange(_ROTATION_STARTS) * 2 * np.pi / _ROTATION_STARTS
+    turns = Rotation.from_rotvec(np.outer(angles, [0.0, 0.0, 1.0])).as_matrix()[:, :2, :2]
+    poses = [closest_points(few, Pose(r, goal - r @ centre, np.inf), theirs, tree, trim, 15) for r in turns]
+    best = min(poses, key=SPREAD)
+    angle, shift = float(np.arctan2(best.rotation[1, 0], best.rotation[0, 0])), best.shift
 
     # the nearest minimum; rotations are scaled to the shifts that they cause
     some = ours[:: max(len(ours) // 1000, 1)]
@@ -213,22 +217,3 @@ def _outwards(points: Floats, target: Floats) -> Floats:
 def _turned(points: Floats, angle: float) -> Floats:
     cos, sin = np.cos(angle), np.sin(angle)
     return np.asarray(points @ np.array([[cos, sin], [-sin, cos]]))
-
-
-def _closest_points(
-    points: Floats, angle: float, shift: Floats, target: Floats, tree: cKDTree, trim: float
-) -> tuple[float, float, Floats]:
-    """Cost, rotation and shift after some steps; the rotation has a closed form (Umeyama 1991, without scale)."""
-    cost = np.inf
-    for _ in range(15):
-        distance, index = tree.query(_turned(points, angle) + shift)
-        near = distance <= np.quantile(distance, 1 - trim)
-        one, other = points[near], target[index[near]]
-        x, y = one - one.mean(axis=0), other - other.mean(axis=0)
-        new = float(np.arctan2(np.sum(x[:, 0] * y[:, 1] - x[:, 1] * y[:, 0]), np.sum(x * y)))
-        moved = abs(new - angle)
-        angle, shift = new, other.mean(axis=0) - _turned(one.mean(axis=0), new)
-        cost = float(np.sqrt(np.mean(distance[near] ** 2)))
-        if moved < 1e-7:
-            break
-    return cost, angle, shift

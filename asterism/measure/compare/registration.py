@@ -1,11 +1,13 @@
 """Registration of a scan with a shape: many starts, then iterated closest points without the farthest ones.
 
-The motion is a rotation and a shift, without reflection and scale: a mirrored shape is another shape.
+An outline is registered with a silhouette by the first of these steps, in the plane. The motion is a rotation and a
+shift, without reflection and scale: a mirrored shape is another shape.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from functools import partial
 from operator import attrgetter
 
 import numpy as np
@@ -36,8 +38,8 @@ class Pose:
 
     Attributes
     ----------
-    rotation : (3, 3), proper.
-    shift : (3,) mm.
+    rotation : (d, d), proper; d is 3, or 2 in the plane.
+    shift : (d,) mm.
     spread_mm : rms distance of the nearest part `1 - trim` of the points.
     """
 
@@ -46,7 +48,7 @@ class Pose:
     spread_mm: float
 
     def __call__(self, points: Floats) -> Floats:
-        """(n, 3) points of the scan in this pose."""
+        """(n, d) points of the scan in this pose."""
         return points @ self.rotation.T + self.shift
 
 
@@ -82,8 +84,9 @@ def register(
         points[rng.choice(len(points), min(len(points), count), replace=False)] for count in (150, 600, 3000)
     )
     starts = _starts(points, coarse_target, effort * _RANDOM_STARTS, rng)
-    first = sorted((_coarse(few, start, coarse_target, trim, 4) for start in starts), key=SPREAD)[: effort * 50]
-    best = distinct_poses([_coarse(few, pose, coarse_target, trim, 12) for pose in first])[: effort * 8]
+    coarse = partial(closest_points, few, target=coarse_target.places, tree=coarse_target.tree, trim=trim)
+    first = sorted((coarse(start, steps=4) for start in starts), key=SPREAD)[: effort * 50]
+    best = distinct_poses([coarse(pose, steps=12) for pose in first])[: effort * 8]
     middle = sorted((_refine(some, pose, target, trim, 25) for pose in best), key=SPREAD)
     fine = distinct_poses(middle)[:4]
     if middle[0].spread_mm < _ROUGH_FIT * diameter(vertices):
@@ -140,12 +143,12 @@ def _proper(axes: Floats) -> Floats:
     return axes @ np.diag([1.0, 1.0, np.linalg.det(axes)])
 
 
-def _coarse(points: Floats, pose: Pose, target: _Target, trim: float, steps: int) -> Pose:
-    """A few steps of point-to-point registration."""
+def closest_points(points: Floats, pose: Pose, target: Floats, tree: cKDTree, trim: float, steps: int) -> Pose:
+    """A few steps of point-to-point registration with a target (m, d) and its search tree."""
     for _ in range(steps):
-        distance, index = target.tree.query(pose(points))
+        distance, index = tree.query(pose(points))
         near = distance <= np.sort(distance)[int((1 - max(trim, 0.1)) * (len(distance) - 1))]
-        rotation, shift = rigid_fit(points[near], target.places[index[near]])
+        rotation, shift = rigid_fit(points[near], target[index[near]])
         pose = Pose(rotation, shift, float(np.sqrt(np.mean(distance[near] ** 2))))
     return pose
 
