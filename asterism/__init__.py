@@ -43,6 +43,8 @@ if TYPE_CHECKING:
     from asterism.measure.strips.fit_strips import fit_strips as fit_strips
     from asterism.measure.strips.fit_strips import write_material as write_material
     from asterism.measure.strips.new_strips import new_strips as new_strips
+    from asterism.measure.strips.settings import StripFitSettings as StripFitSettings
+    from asterism.measure.strips.settings import StripPrintSettings as StripPrintSettings
     from asterism.notebook.show import show as show
     from asterism.pattern.design.design import Design as Design
     from asterism.pattern.design.design import save_design as save_design
@@ -51,6 +53,7 @@ if TYPE_CHECKING:
     from asterism.previews.session import Preview as Preview
     from asterism.previews.session import preview as preview
     from asterism.print.export import export as export
+    from asterism.print.settings import ExportSettings as ExportSettings
     from asterism.reports.compare_designs import compare_designs as compare_designs
     from asterism.reports.design_report import report as report
     from asterism.reports.fit_page import write_fit as write_fit
@@ -69,11 +72,14 @@ if TYPE_CHECKING:
 _HOMES = {
     "Design": "asterism.pattern.design.design:Design",
     "Error": "asterism.equilibrium.errors:Error",
+    "ExportSettings": "asterism.print.settings:ExportSettings",
     "Fit": "asterism.fitting.fit:Fit",
     "FitSettings": "asterism.fitting.settings:FitSettings",
     "Law": "asterism.homogenize.law.law:Law",
     "Preview": "asterism.previews.session:Preview",
     "Shape": "asterism.shape.shape:Shape",
+    "StripFitSettings": "asterism.measure.strips.settings:StripFitSettings",
+    "StripPrintSettings": "asterism.measure.strips.settings:StripPrintSettings",
     "Sweep": "asterism.sweeps.sweep:Sweep",
     "TargetSurface": "asterism.fitting.target:TargetSurface",
     "Verification": "asterism.verification.verification:Verification",

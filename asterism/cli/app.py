@@ -6,26 +6,24 @@ from typing import Annotated
 
 import typer
 
-from asterism.cli import laws, strips
-from asterism.cli.fit import fit
-from asterism.cli.lists import materials, new, printers
+from asterism.cli import lists, strips
+from asterism.cli.lists import calibrate, materials, new, printers
 from asterism.cli.options import group
 from asterism.cli.pages import compare_designs, picture, report
 from asterism.cli.prints import compare, export
 from asterism.cli.servers import hops, studio
-from asterism.cli.shapes import preview, simulate, verify
-from asterism.cli.sweep import sweep
+from asterism.cli.shapes import fit, preview, simulate, sweep, verify
 from asterism.process.version import __version__
 
 app = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
 for function in (
     *(new, studio, preview, simulate, verify, sweep, fit, export, picture, printers, compare),
-    *(compare_designs, materials, report, laws.calibrate, hops),
+    *(compare_designs, materials, report, calibrate, hops),
 ):
     app.command()(function)
 measure = (strips.new, strips.fit, strips.weigh, strips.overhang)
 app.add_typer(group("Measure plastic and fabric with printed strips.", *measure), name="strips")
-app.add_typer(group("Show a law, or forget the kept cells.", laws.show, laws.forget), name="law")
+app.add_typer(group("Show a law, or forget the kept cells.", lists.show, lists.forget), name="law")
 
 
 @app.callback(invoke_without_command=True)

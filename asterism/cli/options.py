@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
@@ -29,7 +28,6 @@ LawFile = Annotated[
     Path | None, typer.Option(help="File of the law (.npz; default: that of the design, or of the paper's material).")
 ]
 PrinterName = Annotated[str, typer.Option(help="Name of a printer (see asterism printers), or its file.")]
-PlasticName = Annotated[str, typer.Option(help="Name of a plastic, or its file.")]
 Processes = Annotated[
     int | None, typer.Option("--jobs", min=1, max=1000, help="Number of processes (default: one per core).")
 ]
@@ -56,24 +54,6 @@ BackendOption = Annotated[str, typer.Option(help="Linear solver: auto, pardiso, 
 def output_option(help: str) -> Any:
     """-o, for the annotation of a parameter that is a path, or None without the option."""
     return typer.Option("-o", "--output", help=help, parser=nonempty_path)
-
-
-def two_sizes(text: str, option: str) -> tuple[float, float]:
-    """Two sizes from a text such as `300x250`; one number is both.
-
-    Raises
-    ------
-    Mistake
-        These are not one or two numbers; the message names the option.
-    """
-    words = re.split("[x×]", text.lower())
-    try:
-        sizes = [float(word) for word in words]
-    except ValueError:
-        sizes = []
-    if len(sizes) not in (1, 2):
-        raise Mistake(f"{option}: must be width x depth, such as 300x250, not {text!r}")
-    return sizes[0], sizes[-1]
 
 
 def nonempty_path(text: str) -> Path:
@@ -135,7 +115,6 @@ def results_folder(design: Path, output: Path | None, default: Path, *names: str
 OVERRIDES = {
     "edge": "mesh.edge_mm",
     "tolerance": "mesh.tolerance_percent",
-    "seed": "solver.seed",
     "contact": "solver.contact",
 }
 

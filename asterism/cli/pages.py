@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import typer
 
@@ -11,12 +11,10 @@ from asterism.cli.options import (
     DesignFile,
     LawFile,
     MaterialFile,
-    PlasticName,
     PrinterName,
     output_option,
-    two_sizes,
 )
-from asterism.cli.run import Mistake, Run, command
+from asterism.cli.run import Mistake, Run, command, two_sizes
 
 
 @command
@@ -31,7 +29,6 @@ def report(
         ),
     ] = None,
     printer: PrinterName = "ultimaker2",
-    plastic: PlasticName = "tpu95a",
     material: MaterialFile = None,
     law: LawFile = None,
 ) -> None:
@@ -53,7 +50,6 @@ def report(
         results=results,
         beside=design.with_suffix(""),
         printer=printer,
-        plastic=plastic,
         law=law_from_file(plan, law, design, material) if law else None,
         say=run.warn,
     )
@@ -72,7 +68,6 @@ def compare_designs(
     output: Annotated[Path | None, output_option("File of the page (default: A-B-C.html beside the first).")] = None,
     exact: Annotated[bool, typer.Option("--exact", help="Compute exact shapes, not previews.")] = False,
     printer: PrinterName = "ultimaker2",
-    plastic: PlasticName = "tpu95a",
     law: LawFile = None,
     material: MaterialFile = None,
 ) -> None:
@@ -104,7 +99,6 @@ def compare_designs(
             names=stems,
             exact=exact,
             printer=printer,
-            plastic=plastic,
             law=own_law,
             say=run.say,
         )
@@ -126,7 +120,7 @@ def picture(
     view: Annotated[
         Literal["oblique", "above", "front", "side"], typer.Option(help="In perspective, or a drawing to scale.")
     ] = "oblique",
-    size: Annotated[str, typer.Option(help="Width and height in pixels.")] = "1600x1000",
+    size: Annotated[Any, typer.Option(help="Width and height in pixels.", parser=two_sizes)] = "1600x1000",
     scale: Annotated[
         float | None, typer.Option(help="Pixels per mm (default: the largest at which all sheets fit).")
     ] = None,
@@ -143,7 +137,7 @@ def picture(
     from asterism.shape.release_picture import release_gif
     from asterism.shape.vtu import read_shape
 
-    width, height = two_sizes(size, "--size")
+    width, height = size
     pixels = (int(width), int(height)) if (width, height) == (width // 1, height // 1) else (0, 0)
     try:
         check_picture(view, pixels, scale)

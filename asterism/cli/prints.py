@@ -12,13 +12,11 @@ from asterism.cli.options import (
     FileUnit,
     LawFile,
     MaterialFile,
-    PlasticName,
-    PrinterName,
     output_option,
     results_folder,
-    two_sizes,
 )
 from asterism.cli.run import DONE, NO_ANSWER, Run, command
+from asterism.print.settings import ExportSettings
 
 
 @command
@@ -26,39 +24,11 @@ def export(
     run: Run,
     design: DesignFile,
     output: Annotated[Path | None, output_option("Directory (default: DESIGN-print).")] = None,
-    printer: PrinterName = "ultimaker2",
-    plastic: PlasticName = "tpu95a",
     material: MaterialFile = None,
     shape: Annotated[Path | None, typer.Option(help="Results of simulate, preview or verify, or a shape.vtu.")] = None,
-    preview: Annotated[
-        bool, typer.Option("--preview", help="Compute the printed shape by the preview, and write its files.")
-    ] = False,
     law: LawFile = None,
-    simulate: Annotated[
-        bool, typer.Option("--simulate", help="The same by the exact model, with the effect of rounding.")
-    ] = False,
-    first_layer: Annotated[float | None, typer.Option(help="Height of the first layer in mm.")] = None,
-    layer: Annotated[float | None, typer.Option(help="Height of the other layers in mm.")] = None,
-    plate: Annotated[float | None, typer.Option(help="Thickness of the plate under the fabric in mm.")] = None,
-    frame: Annotated[
-        str | None,
-        typer.Option(
-            help="Width and depth of the frame with its bars in mm, such as 300x250 (default: the printer's)."
-        ),
-    ] = None,
-    fabric: Annotated[
-        float | None,
-        typer.Option(help="Thickness of the stretched fabric in mm (default: that of the released fabric)."),
-    ] = None,
-    fabric_set: Annotated[
-        float, typer.Option(help="Percent by which the fabric stays longer after its release: stretched further by it.")
-    ] = 0.0,
-    turn: Annotated[float, typer.Option(help="Rotation of the print on the bed in degrees, counterclockwise.")] = 0.0,
-    needle_spacing: Annotated[float, typer.Option(help="Largest distance of needles on supported edges in mm.")] = 20.0,
-    border: Annotated[bool, typer.Option("--border/--no-border", help="Print a line to cut along.")] = True,
-    formats: Annotated[
-        list[str] | None, typer.Option("--format", help="Also write this format: 3dm for Rhino (requires rhino3dm).")
-    ] = None,
+    *,
+    settings: ExportSettings,
 ) -> None:
     """Write all files for a print: solids, layout at 1:1, needles, start code, instructions.
 
@@ -72,41 +42,19 @@ def export(
 
     from asterism.exact.cost import exact_cost
     from asterism.laws.design_law import law_from_file
-    from asterism.print.export import check_shape_request
+    from asterism.print.export import check_shape_request, export_file_names
     from asterism.print.export import export as write
-    from asterism.print.write import export_file_names
     from asterism.results.files import EXPORT_SUMMARY_FILE
     from asterism.verification.both_starts import BOTH_STARTS
 
-    names = export_file_names(has_shape=preview or simulate or shape is not None)
+    names = export_file_names(has_shape=settings.preview or settings.simulate or shape is not None)
     directory = results_folder(design, output, design.with_name(f"{design.stem}-print"), EXPORT_SUMMARY_FILE, *names)
-    check_shape_request(directory, shape, preview, simulate)
-    sheet = law_from_file(plan, law, design, material) if preview or law else None
-    if simulate:
+    check_shape_request(directory, settings, shape)
+    sheet = law_from_file(plan, law, design, material) if settings.preview or law else None
+    if settings.simulate:
         run.cost(exact_cost(plan, BOTH_STARTS, shapes=2))
     with run.computing():
-        exported = write(
-            plan,
-            directory,
-            printer=printer,
-            plastic=plastic,
-            shape=shape,
-            preview=preview,
-            simulate=simulate,
-            law=sheet,
-            first_layer_mm=first_layer,
-            layer_mm=layer,
-            plate_mm=plate,
-            frame_mm=None if frame is None else two_sizes(frame, "--frame"),
-            fabric_mm=fabric,
-            fabric_set_percent=fabric_set,
-            turn_deg=turn,
-            needle_spacing_mm=needle_spacing,
-            border=border,
-            formats=formats or (),
-            report=run.report,
-            say=run.say,
-        )
+        exported = write(plan, directory, settings, shape=shape, law=sheet, report=run.report, say=run.say)
     run.warn(*(line for line in exported.warnings if line not in exported.doubts))
     run.result(exported.summary, directory, exported.files, exported.doubts)
 

@@ -15,12 +15,13 @@ import warnings
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TextIO, get_args, get_origin, get_type_hints
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TextIO, get_args, get_origin
 
 import typer
 
 from asterism.equilibrium.errors import Error, one_line
 from asterism.process.progress_line import ProgressLine
+from asterism.process.settings import field_types
 
 if TYPE_CHECKING:
     from asterism.equilibrium.newton.minimise import Iteration
@@ -208,7 +209,8 @@ def command(function: Callable[..., int | None]) -> Callable[..., int]:
     def run_command(**arguments: Any) -> int:
         run = Run(**{name: arguments.pop(name) for name in COMMON_OPTIONS})
         for name, kind in settings.items():
-            arguments[name] = kind(**{field.name: arguments.pop(field.name) for field in dataclasses.fields(kind)})
+            given = {field.name: arguments.pop(field.name) for field in dataclasses.fields(kind)}
+            arguments[name] = kind(**{key: tuple(v) if isinstance(v, list) else v for key, v in given.items()})
         with run.progress, warnings.catch_warnings():
             # what is left out of a drawing is a warning of the command, all others are Python's
             warnings.showwarning = functools.partial(_show_warning, run, warnings.showwarning)
@@ -229,16 +231,34 @@ def _options_of(kind: type) -> list[inspect.Parameter]:
     """The fields of a settings object as options, with what its docstring says about each."""
     entries = re.findall(r"^(\w+) : (.*(?:\n +.*)*)", inspect.getdoc(kind) or "", re.MULTILINE)
     texts = {name: " ".join(text.replace("`", "").split()) for name, text in entries}
-    types = get_type_hints(kind, include_extras=True)
+    types = field_types(kind)
     options = []
     for field in dataclasses.fields(kind):
-        given = types[field.name]
-        plain, *names = get_args(given) if get_origin(given) is Annotated else (given,)
-        option = typer.Option(*names, help=texts[field.name][:1].upper() + texts[field.name][1:])
+        plain, names, _ = types[field.name]
+        more: dict[str, Any] = {}
+        if plain is bool and not field.default:
+            names = names or [f"--{field.name.replace('_', '-')}"]
+        if get_origin(plain) is tuple:
+            plain = list[get_args(plain)[0]]  # type: ignore[misc]
+        elif tuple[float, float] in get_args(plain):
+            plain, more = Any, {"parser": two_sizes, "metavar": "WIDTHxDEPTH"}
+        option = typer.Option(*names, help=texts[field.name][:1].upper() + texts[field.name][1:], **more)
         annotation: Any = Annotated[plain, option]
         kept = {"default": field.default, "annotation": annotation}
         options.append(inspect.Parameter(field.name, inspect.Parameter.KEYWORD_ONLY, **kept))
     return options
+
+
+def two_sizes(text: str) -> tuple[float, float]:
+    """Two sizes from a text such as `300x250`; one number is both."""
+    words = re.split("[x×]", text.lower())
+    try:
+        sizes = [float(word) for word in words]
+    except ValueError:
+        sizes = []
+    if len(sizes) not in (1, 2):
+        raise typer.BadParameter(f"must be width x depth, such as 300x250, not {text!r}")
+    return sizes[0], sizes[-1]
 
 
 def _ask(cost: Cost) -> None:

@@ -1,4 +1,4 @@
-"""The shapes of a design: `asterism preview`, `simulate` and `verify`."""
+"""Shapes of a design, of its variants, and designs for a shape: `asterism preview` to `verify`, `sweep` and `fit`."""
 
 from __future__ import annotations
 
@@ -12,16 +12,22 @@ import typer
 from asterism.cli.options import (
     BackendOption,
     Contact,
+    DaskAddress,
     DesignFile,
     EdgeOption,
+    FileUnit,
     LawFile,
     MaterialFile,
+    Processes,
     ToleranceOption,
+    check_ending,
+    check_workers,
     output_option,
     results_folder,
     with_overrides,
 )
-from asterism.cli.run import DONE, NO_ANSWER, Run, command
+from asterism.cli.run import DONE, INTERRUPTED, NO_ANSWER, Mistake, Run, command
+from asterism.fitting.settings import FitSettings
 
 # Designs are read before slower imports: many mistakes are there.
 
@@ -81,9 +87,6 @@ def simulate(
     output: Annotated[Path | None, output_option("Directory of the results (the design file's name).")] = None,
     edge: EdgeOption = None,
     tolerance: ToleranceOption = None,
-    seed: Annotated[
-        int | None, typer.Option(help="Seed of the initial guess's noise, instead of the value in the design.")
-    ] = None,
     starts: Annotated[
         int | None,
         typer.Option(
@@ -125,7 +128,7 @@ def simulate(
     from asterism.verification.both_starts import BOTH_STARTS
     from asterism.verification.both_starts import simulate as compute
 
-    changed = with_overrides(read, edge=edge, tolerance=tolerance, seed=seed, contact=contact)
+    changed = with_overrides(read, edge=edge, tolerance=tolerance, contact=contact)
     # what is missing is said before anything else
     check_backend(backend)
     if changed.solver.contact:
@@ -193,3 +196,157 @@ def verify(
     run.result(verification.summary, directory, files)
     run.warn(*verification.summary["warnings"])
     return DONE if verification.summary["exact"]["is_minimum"] else NO_ANSWER
+
+
+@command
+def sweep(
+    run: Run,
+    design: DesignFile,
+    vary: Annotated[
+        list[str],
+        typer.Option(
+            help="Entry of the design and its values: stars.thickness_mm=0.2:0.6:9 for nine equally spaced values, "
+            "pins.0.scale=0.7,0.8 for a list; can be given several times."
+        ),
+    ],
+    output: Annotated[Path | None, output_option("Directory of the results (default: DESIGN-sweep).")] = None,
+    exact: Annotated[bool, typer.Option("--exact", help="Compute exact shapes, not previews.")] = False,
+    samples: Annotated[
+        int | None,
+        typer.Option(help="Designs of a Latin hypercube, instead of all combinations; then FROM:TO is a range."),
+    ] = None,
+    jobs: Processes = None,
+    dask: DaskAddress = None,
+    law: LawFile = None,
+    material: MaterialFile = None,
+) -> int:
+    """Compute many variants of a design: a table, and a page with pictures and plots that sorts and filters.
+
+    Writes sweep.html, sweep.csv and summary.json. A design that fails is a row with its reason. The command continues
+    an interrupted sweep: finished designs are in the folder designs of the directory. The exit status is 1 if no design
+    has a shape.
+    """
+    from asterism.homogenize.campaign.workers import default_jobs
+    from asterism.homogenize.law.law_file import load_law
+    from asterism.laws.replace_material import read_design
+    from asterism.process.progress_line import CountLine
+    from asterism.results.files import check_folder
+    from asterism.sweeps.cost import sweep_cost
+    from asterism.sweeps.parameters import SweepParameter
+    from asterism.sweeps.sweep import check_model, sampled, sweep_design, sweep_parameters, write_sweep
+
+    check_workers(jobs, dask)
+    if exact and law is not None:
+        raise Mistake("--law: is for previews, not with --exact")
+    chosen = read_design(design, material, run.warn)
+    given = [SweepParameter.from_text(text) for text in vary]
+    check_model(chosen, exact)
+    parameters = sweep_parameters(chosen, given)
+    directory = results_folder(design, output, design.with_name(f"{design.stem}-sweep"))
+    folder = directory / "designs"
+    check_folder(folder)
+    count = len(sampled(parameters, samples))
+    run.cost(sweep_cost(chosen, parameters, count, exact, jobs or default_jobs(), law is not None))
+    own_law = load_law(law) if law else None
+    with run.resumable(folder, "designs"):
+        with CountLine("designs", run.hand_over()) as progress:
+            result = sweep_design(
+                chosen,
+                parameters,
+                exact=exact,
+                samples=samples,
+                folder=folder,
+                jobs=jobs,
+                dask=dask,
+                law=own_law,
+                report=progress.report,
+            )
+        files = write_sweep(result, directory)
+    run.result(result.summary, directory, files, result.doubts)
+    if result.failed < len(result.points):
+        return 0
+    run.warn("no design has a shape; the column problem of sweep.csv has the reasons")
+    return NO_ANSWER
+
+
+@command
+def fit(
+    run: Run,
+    target: Annotated[
+        Path, typer.Argument(help="Target: .obj, .stl, .ply, .3dm, a grey picture, or heights as .npy or .csv.")
+    ],
+    output: Annotated[Path | None, output_option("Design file (default: TARGET.toml).")] = None,
+    unit: Annotated[
+        FileUnit | None, typer.Option(help="Unit of the numbers in the file (default: mm, or what a .3dm file names).")
+    ] = None,
+    size_mm: Annotated[
+        float | None, typer.Option(min=1.0, help="Scale the target: largest distance of two of its points in mm.")
+    ] = None,
+    heights_mm: Annotated[
+        tuple[float, float] | None, typer.Option(metavar="BLACK WHITE", help="Heights of black and white of a picture.")
+    ] = None,
+    extent_mm: Annotated[
+        float | None, typer.Option(help="Width of a picture, or of heights in .npy or .csv, along x.")
+    ] = None,
+    side: Annotated[
+        Literal["auto", "normals", "other"],
+        typer.Option(help="Side of the plastic; auto: the convex one. normals: that of the file's normals."),
+    ] = "auto",
+    printer: Annotated[
+        str, typer.Option(help="Printer to whose layers and lines sizes are rounded (see asterism printers).")
+    ] = "ultimaker2",
+    weight: Annotated[
+        str | None,
+        typer.Option(
+            metavar="FORMULA|PICTURE",
+            help="Where to come nearer: a formula in x, y, z, r, theta (mm in the file), or a grey picture over the "
+            "target as seen along z, black 1, white 10. Weights are from 0.01 to 100.",
+        ),
+    ] = None,
+    law: LawFile = None,
+    *,
+    settings: FitSettings,
+) -> int:
+    """Find star sizes whose sheet comes near to a target surface.
+
+    Writes the design file, and a folder beside it, DESIGN-fit, with report.html, summary.json, shape.vtu, shape.obj,
+    rods.vtu and target.obj. The exit status is 1 if the shape is further from the target than --within, or
+    is no minimum. If the command is interrupted, it writes the best design until then, and the exit status is 130.
+    """
+    from asterism.fitting.fit import FitInterrupted
+    from asterism.fitting.fit import fit as compute
+    from asterism.fitting.load_target import load_target
+    from asterism.homogenize.law.law_file import load_law
+    from asterism.homogenize.law.motif_law import MotifLaw
+    from asterism.pattern.design.files import table_text
+    from asterism.print.printer import load_printer
+    from asterism.reports.fit_page import write_fit
+    from asterism.results.files import check_writable, write_file
+
+    file = output or target.with_suffix(".toml")
+    check_ending(file, ".toml")
+    directory = file.with_name(f"{file.stem}-fit")
+    check_writable(file.parent, file.name)
+    check_writable(directory)
+    surface = load_target(target, unit, size_mm, side, heights_mm, extent_mm)
+    run.warn(*surface.notes)
+    if weight is not None:
+        surface = surface.weighted(weight)
+    chosen_printer = load_printer(printer)
+    chosen_law = None if law is None else load_law(law)
+    if isinstance(chosen_law, MotifLaw):
+        raise Mistake(f"--law: {law} is the law of a motif, not of stars")
+    try:
+        with run.computing():
+            fitted = compute(surface, settings, chosen_law, chosen_printer, run.say, run.report)
+    except FitInterrupted as interruption:
+        fitted = interruption.fitted
+    files = write_fit(fitted, directory)
+    write_file(file, table_text(fitted.design.to_dict(), file))
+    run.table(fitted.summary.table())
+    run.lines([str(file)])
+    run.files(directory, files)
+    run.warn(*fitted.summary.warnings)
+    if fitted.summary.interrupted:
+        return INTERRUPTED
+    return DONE if fitted.summary.reached else NO_ANSWER

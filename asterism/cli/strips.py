@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated
 
 import typer
 
-from asterism.cli.options import PrinterName, nonempty_path, output_option
+from asterism.cli.options import nonempty_path, output_option
 from asterism.cli.run import Mistake, Run, command
+from asterism.measure.strips.settings import StripFitSettings, StripPrintSettings
 from asterism.process.environment import quoted
 
 
@@ -16,57 +17,20 @@ from asterism.process.environment import quoted
 def new(
     run: Run,
     output: Annotated[Path, output_option("Directory of the files.")] = Path("strips"),
-    printer: PrinterName = "ultimaker2",
-    thickness: Annotated[
-        list[float] | None,
-        typer.Option(help="Thickness of strips in mm; give it several times (default: 0.3, 0.35, 0.4 and 0.45)."),
-    ] = None,
-    count: Annotated[
-        int | None,
-        typer.Option(
-            min=1, max=200, help="Number of strips of each thickness, and direction (default: 10; 5 in both)."
-        ),
-    ] = None,
-    both_directions: Annotated[
-        bool, typer.Option("--both-directions", help="Strips along and across the grain of the fabric.")
-    ] = False,
-    length: Annotated[float, typer.Option(min=10, max=500, help="Length of a strip in mm.")] = 60.0,
-    width: Annotated[float, typer.Option(min=0.4, max=50, help="Width of a strip in mm.")] = 4.0,
-    stretch: Annotated[float, typer.Option(min=1.01, max=3, help="Stretch of the fabric.")] = 1.35,
-    fabric_thickness: Annotated[
-        float, typer.Option(min=0.01, max=10, help="Thickness of the released fabric in mm.")
-    ] = 0.8,
-    plate: Annotated[float | None, typer.Option(help="Thickness of the plate under the fabric in mm.")] = None,
-    fabric: Annotated[
-        float | None,
-        typer.Option(
-            min=0.01, max=10, help="Thickness of the stretched fabric in mm (default: that of the released fabric)."
-        ),
-    ] = None,
+    *,
+    settings: StripPrintSettings,
 ) -> None:
     """Write a test print: strips as STL and 3MF, start code, instructions, and a table to fill in."""
-    from asterism.measure.strips.new_strips import THICKNESSES_MM, new_strips
-    from asterism.print.printer import adjusted_printer, load_printer
+    from asterism.measure.strips.new_strips import new_strips
 
-    thicknesses = tuple(thickness or THICKNESSES_MM)
-    machine = adjusted_printer(load_printer(printer), plate=plate)
-    written = new_strips(
-        output,
-        machine,
-        thicknesses_mm=thicknesses,
-        count=count or (5 if both_directions else 10),
-        length_mm=length,
-        width_mm=width,
-        stretch=stretch,
-        fabric_thickness_mm=fabric_thickness,
-        stretched_thickness_mm=fabric,
-        both_directions=both_directions,
-    )
+    written = new_strips(output, settings)
+    machine = written.printer
     first, others = written.layers_mm
-    thick = ", ".join(f"{h:g}" for h in written.specimen.thicknesses_mm)
-    kind = "released" if fabric is None else "stretched"
+    thick = ", ".join(f"{h:g}" for h in written.thicknesses_mm)
+    kind = "released" if settings.fabric_mm is None else "stretched"
     table = quoted(output / "strips.csv")
-    lie = ", half of them across the grain" if both_directions else ""
+    lie = ", half of them across the grain" if settings.both_directions else ""
+    length, width = written.strips[0].size_mm
     other_layers = []
     if written.layers_mm != (machine.first_layers_mm[0], machine.layer_mm):
         stars = f"first {machine.first_layers_mm[0]:g} mm, then {machine.layer_mm:g} mm"
@@ -74,7 +38,7 @@ def new(
         other_layers = [f"  stars are sliced in other layers ({stars}): export them with  {option}  for equal plastic"]
     run.lines(
         [
-            f"  {len(written.specimen.strips)} strips of {length:g} x {width:g} mm{lie}, {thick} mm thick",
+            f"  {len(written.strips)} strips of {length:g} x {width:g} mm{lie}, {thick} mm thick",
             f"  slice with a first layer of {first:g} mm and others of {others:g} mm",
             *other_layers,
             f"  z offset {written.z_offset_mm:.2f} mm (plate and {kind} fabric), in start.gcode",
@@ -90,28 +54,11 @@ def fit(
     output: Annotated[
         Path | None, output_option("File of the material (default: material.toml beside the table).")
     ] = None,
-    rest_curvature: Annotated[
-        Literal["paper", "timoshenko"], typer.Option(help="Formula for the curvature of a strip with its fabric.")
-    ] = "paper",
-    kappa_bar: Annotated[
-        Literal["constant", "per-thickness", "zero"], typer.Option(help="Model of the curvature of peeled strips.")
-    ] = "constant",
-    stretch: Annotated[
-        float | None, typer.Option(min=1.01, max=3, help="Stretch of the fabric, if the table has no such column.")
-    ] = None,
-    fabric_thickness: Annotated[
-        float | None,
-        typer.Option(min=0.01, max=10, help="Thickness of the fabric in mm, if the table has no such column."),
-    ] = None,
-    outside: Annotated[
-        bool, typer.Option("--outside", help="The boxes enclose the strips with their thickness.")
-    ] = False,
-    flat_height: Annotated[
-        float, typer.Option(min=0.01, max=10, help="Height in mm below which an arc counts as flat.")
-    ] = 0.5,
     save: Annotated[
         str | None, typer.Option(help="Also keep the material under this name in your list (see asterism materials).")
     ] = None,
+    *,
+    settings: StripFitSettings,
 ) -> None:
     """Compute E1/E2 and kappa_bar from measured strips, and write a material file for the other commands.
 
@@ -125,15 +72,7 @@ def fit(
     kept = None if save is None else own_material_path(save, "--save")
     if kept is not None:
         check_material_path(kept)
-    material = fit_strips(
-        strips,
-        rest_curvature=rest_curvature,
-        kappa_bar=kappa_bar,
-        stretch=stretch,
-        fabric_thickness_mm=fabric_thickness,
-        outside=outside,
-        flat_height_mm=flat_height,
-    )
+    material = fit_strips(strips, settings)
     name, picture, numbers = write_material(material, path)
     run.table(material.summary.table())
     run.lines(f"  {line}" for line in [*material.left_out, *material.sentences])

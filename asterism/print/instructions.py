@@ -9,11 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from asterism.print.drawing import A4_MM, TEXT, Circle, Drawing, Label, Polyline, font_size_within
+from asterism.print.formats.threemf import WALLS, wider_mm
 from asterism.print.job import Job
 from asterism.print.needles import Needle, needles_near_edge
 from asterism.print.printer import Printer
 from asterism.print.sheets import grain_in_words
-from asterism.print.slicing import WALLS, wider_mm
 from asterism.print.solid import Solid
 from asterism.results.records.export import TinyStarRecord
 from asterism.results.words import VISIBLE_SAG_MM, needle_names, sag_in_words

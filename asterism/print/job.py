@@ -18,10 +18,19 @@ from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout, off_sheet_mm
 from asterism.print.bed_placement import BedPlacement, place_on_bed, room_mm
 from asterism.print.needles import Needle, needles, needles_in_plastic
-from asterism.print.pieces import Piece, border_terrace, cutting_lines, pieces, plastic_terraces
 from asterism.print.printer import PlasticProfile, Printer
 from asterism.print.rounded import choose_rounding, rounded_layout, size_changes, with_rounding
-from asterism.print.solid import Solid, Terrace, terraced_solid
+from asterism.print.settings import ExportSettings
+from asterism.print.solid import (
+    Piece,
+    Solid,
+    Terrace,
+    border_terrace,
+    cutting_lines,
+    pieces,
+    plastic_terraces,
+    terraced_solid,
+)
 from asterism.results.records.export import PrintCostRecord, SizeChangeRecord
 from asterism.shape.shape import Shape
 
@@ -36,19 +45,13 @@ class Job:
     Attributes
     ----------
     drawn, design : the design as drawn, and with the printer's rounding.
-    drawn_plan, plan : their layouts, in printed coordinates.
-    arms, rods : pieces of all arms and of all drawn rods, in printed coordinates.
+    settings : thickness and set of the fabric, distance of the needles.
+    drawn_plan, plan : the layouts of both designs, in printed coordinates.
+    printed : terraces of stars and drawn rods, in printed coordinates.
     placement : motion from printed coordinates to those of the sheets.
-    pattern, border : terraces of plastic in sheet coordinates: stars and drawn rods, and the line to cut along; no
-        border if it is switched off or does not fit.
-    above, below : the part of the pattern on either face of the fabric, seen from above; empty if there is none.
-    cut : closed lines (n, 2) to cut along, in printed coordinates: the outline first.
-    fabric_mm : thickness of the fabric under the nozzle: of the stretched fabric if given, else of the released fabric.
-    fabric_given : the thickness of the stretched fabric is given.
-    needles : needles, in printed coordinates.
+    border : the line to cut along, in sheet coordinates; None if it is switched off or does not fit.
     shape : the sheet in space whose files are written; None without these files.
     too_large : why the print does not fit; empty if it fits.
-    fabric_set_percent : by how much the fabric is longer after its release than before it was stretched.
     glance : the sheet in space from the preview, without files; for heights and warnings only.
     """
 
@@ -56,24 +59,67 @@ class Job:
     design: Design
     printer: Printer
     plastic: PlasticProfile
+    settings: ExportSettings
     rounding: Rounding
     drawn_plan: Layout
     plan: Layout
-    arms: list[Piece]
-    rods: list[Piece]
+    printed: tuple[Terrace, ...]
     placement: BedPlacement
-    pattern: tuple[Terrace, ...]
-    border: Terrace | None
-    cut: tuple[Floats, ...]
-    fabric_mm: float
-    fabric_given: bool
-    needles: tuple[Needle, ...]
-    above: tuple[Terrace, ...]
-    below: tuple[Terrace, ...]
+    border: Terrace | None = None
     shape: Shape | None = None
     too_large: str = ""
-    fabric_set_percent: float = 0.0
     glance: Shape | None = None
+
+    @cached_property
+    def arms(self) -> list[Piece]:
+        """Pieces of all arms, in printed coordinates."""
+        return pieces(self.plan, self.rounding)[0]
+
+    @cached_property
+    def rods(self) -> list[Piece]:
+        """Pieces of all drawn rods, in printed coordinates."""
+        return pieces(self.plan, self.rounding)[1]
+
+    @cached_property
+    def pattern(self) -> tuple[Terrace, ...]:
+        """Terraces of stars and drawn rods in sheet coordinates, seen from above."""
+        return tuple(map(self.placement.step, self.printed))
+
+    @cached_property
+    def above(self) -> tuple[Terrace, ...]:
+        """The part of the pattern above the fabric; empty if there is none."""
+        return self._on_face(1)
+
+    @cached_property
+    def below(self) -> tuple[Terrace, ...]:
+        """The part of the pattern below the fabric; empty if there is none."""
+        return self._on_face(-1)
+
+    def _on_face(self, side: int) -> tuple[Terrace, ...]:
+        if {piece.side for piece in (*self.arms, *self.rods)} == {side}:
+            return self.pattern
+        arms, rods = ([piece for piece in some if piece.side == side] for some in (self.arms, self.rods))
+        return tuple(map(self.placement.step, plastic_terraces(arms, rods)))
+
+    @cached_property
+    def cut(self) -> tuple[Floats, ...]:
+        """Closed lines (n, 2) to cut along, in printed coordinates: the outline first."""
+        return cutting_lines(self.plan, self.rods)
+
+    @cached_property
+    def needles(self) -> tuple[Needle, ...]:
+        """Needles, in printed coordinates."""
+        return needles(self.plan, self.settings.needle_spacing_mm, self.shape)
+
+    @property
+    def fabric_given(self) -> bool:
+        """Whether the thickness of the stretched fabric is given."""
+        return self.settings.fabric_mm is not None
+
+    @property
+    def fabric_mm(self) -> float:
+        """Thickness of the fabric under the nozzle: of the stretched fabric if given, else of the released fabric."""
+        return self.settings.fabric_mm or self.design.fabric.thickness_mm
 
     @property
     def z_offset_mm(self) -> float:
@@ -102,7 +148,7 @@ class Job:
     @property
     def clamped_stretch(self) -> tuple[float, float]:
         """Stretched length over the length before, along x and y; that of the design is over the length after."""
-        x, y = ((1.0 + 0.01 * self.fabric_set_percent) * each for each in self.design.fabric.stretch_xy)
+        x, y = ((1.0 + 0.01 * self.settings.fabric_set_percent) * each for each in self.design.fabric.stretch_xy)
         return x, y
 
     @cached_property
@@ -203,12 +249,7 @@ def prepare(
     design: Design,
     printer: Printer,
     plastic: PlasticProfile,
-    *,
-    fabric_mm: float | None = None,
-    fabric_set_percent: float = 0.0,
-    border: bool = True,
-    turn_deg: float = 0.0,
-    needle_spacing_mm: float = 20.0,
+    settings: ExportSettings | None = None,
     shape: Shape | None = None,
     any_size: bool = False,
 ) -> Job:
@@ -216,11 +257,7 @@ def prepare(
 
     Parameters
     ----------
-    fabric_mm : thickness of the stretched fabric; by default the design's, which is that of the released fabric.
-    fabric_set_percent : by how much the fabric is longer after its release than before it was stretched.
-    border : print a line to cut along, if it fits the bed and the frame.
-    turn_deg : counterclockwise turn of the print on the bed.
-    needle_spacing_mm : largest distance of needles on supported edges.
+    settings : fabric, border, turn and needles.
     shape : the sheet in space.
     any_size : accept a print that does not fit, with the reason in `too_large`.
 
@@ -229,14 +266,8 @@ def prepare(
     DesignError
         The print does not fit the bed or the frame, its rounded arms overlap, or a value is out of range.
     """
-    for option, value, limits in (
-        ("--fabric", fabric_mm, (0.01, 50.0)),  # the lower limit is that of a design
-        ("--fabric-set", fabric_set_percent, (0.0, 50.0)),
-        ("--needle-spacing", needle_spacing_mm, (1.0, 1000.0)),
-        ("--turn", turn_deg, (-360.0, 360.0)),
-    ):
-        if value is not None and not limits[0] <= value <= limits[1]:
-            raise DesignError(option, f"must be from {limits[0]:g} to {limits[1]:g}", value)
+    settings = ExportSettings() if settings is None else settings
+    fabric_mm, turn_deg = settings.fabric_mm, settings.turn_deg
     released_mm = design.fabric.thickness_mm
     if fabric_mm is not None and fabric_mm > released_mm:
         problem = f"must be at most {released_mm:g} mm, the thickness of the released fabric: stretching thins it"
@@ -245,24 +276,17 @@ def prepare(
     rounding = choose_rounding(drawn_plan, printer)
     rounded = with_rounding(design, rounding)
     plan = rounded_layout(rounded, printer)
-    arms, rods = pieces(plan, rounding)
-    here = plastic_terraces(arms, rods)
-    sides = {piece.side for piece in (*arms, *rods)}
-    above, below = (
-        here if sides == {side} else plastic_terraces(*([p for p in each if p.side == side] for each in (arms, rods)))
-        for side in (1, -1)
-    )
     x, y = design.fabric.stretch_xy
     if x != y and turn_deg % 360:
         raise DesignError("--turn", "must be 0 on a fabric that is stretched differently along x and y", turn_deg)
-    too_large = ""
+    printed, placement, too_large = plastic_terraces(*pieces(plan, rounding)), BedPlacement(turn_deg, np.zeros(2)), ""
     try:
-        placement = place_on_bed(plan, here, printer, turn_deg, may_turn=x == y)
+        placement = place_on_bed(plan, printed, printer, turn_deg, may_turn=x == y)
     except DesignError as error:
         if not any_size:
             raise
-        placement, too_large = BedPlacement(turn_deg, np.zeros(2)), str(error)
-    line = placement.step(border_terrace(plan, here, rounding)) if border else None
+        too_large = str(error)
+    line = placement.step(border_terrace(plan, printed, rounding)) if settings.border else None
     if line is not None and not _has_room(line, printer):
         line = None
     job = Job(
@@ -270,30 +294,22 @@ def prepare(
         design=rounded,
         printer=printer,
         plastic=plastic,
+        settings=settings,
         rounding=rounding,
         drawn_plan=drawn_plan,
         plan=plan,
-        arms=arms,
-        rods=rods,
+        printed=printed,
         placement=placement,
-        pattern=tuple(map(placement.step, here)),
         border=line,
-        cut=cutting_lines(plan, rods),
-        fabric_mm=released_mm if fabric_mm is None else fabric_mm,
-        fabric_given=fabric_mm is not None,
-        needles=needles(plan, needle_spacing_mm),
-        above=tuple(map(placement.step, above)),
-        below=tuple(map(placement.step, below)),
         too_large=too_large,
-        fabric_set_percent=fabric_set_percent,
     )
-    return job if shape is None else with_shape(job, shape, needle_spacing_mm)
+    return job if shape is None else with_shape(job, shape)
 
 
-def with_shape(job: Job, shape: Shape, needle_spacing_mm: float) -> Job:
+def with_shape(job: Job, shape: Shape) -> Job:
     """The job with the sheet in space, and its needles there; DesignError for a shape of another design."""
     _check_same_sheet(job.drawn, job.plan, shape)
-    return replace(job, shape=shape, needles=needles(job.plan, needle_spacing_mm, shape))
+    return replace(job, shape=shape)
 
 
 def _has_room(step: Terrace, printer: Printer) -> bool:

@@ -17,8 +17,6 @@ from asterism.pattern.layout.supports import PinSet
 from asterism.pattern.rods.graph import CORNER_DEG
 from asterism.shape.shape import Shape
 
-# largest distance of needles on supported edges, unless another one is chosen
-NEEDLE_SPACING_MM = 20.0
 # diameter of the hole for a needle in the base
 HOLE_DIAMETER_MM = 1.0
 

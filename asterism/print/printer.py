@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Literal, Self, TypeVar
 
@@ -13,6 +12,7 @@ from asterism.pattern.design.errors import DesignError, from_validation
 from asterism.pattern.design.files import own_folders, read_table
 from asterism.pattern.design.rounding import Rounding
 from asterism.pattern.design.section import Line, MassDensity, Number, Point, Section, Text
+from asterism.print.settings import ExportSettings
 
 LayerHeight = Annotated[Number, Field(ge=0.05, le=2)]
 # names in braces that a start code may contain
@@ -230,31 +230,23 @@ def _files(kind: str) -> list[Path]:
     return [file for folder in (*own_folders(), _PACKAGE_FOLDER) for file in sorted((folder / kind).glob("*.toml"))]
 
 
-def adjusted_printer(
-    machine: Printer,
-    first_layer: float | None = None,
-    layer: float | None = None,
-    plate: float | None = None,
-    frame: Sequence[float] | None = None,
-) -> Printer:
-    """The printer with other layer heights (mm), another thickness of the plate (mm) and another frame (2,) mm.
-
-    Values that are not given stay.
+def adjusted_printer(settings: ExportSettings) -> Printer:
+    """The printer of some settings, with their layers, plate and frame in place of its own.
 
     Raises
     ------
     DesignError
-        An option is out of range.
+        No profile has the name, or an option is out of range.
     """
-    data = machine.model_dump(mode="json")
-    if first_layer is not None:
-        data["first_layers_mm"] = [first_layer]
-    if layer is not None:
-        data["layer_mm"] = layer
-    if plate is not None:
-        data["frame"]["plate_mm"] = plate
-    if frame is not None:
-        data["frame"]["size_mm"] = list(frame)
+    data = load_printer(settings.printer).model_dump(mode="json")
+    if settings.first_layer_mm is not None:
+        data["first_layers_mm"] = [settings.first_layer_mm]
+    if settings.layer_mm is not None:
+        data["layer_mm"] = settings.layer_mm
+    if settings.plate_mm is not None:
+        data["frame"]["plate_mm"] = settings.plate_mm
+    if settings.frame_mm is not None:
+        data["frame"]["size_mm"] = list(settings.frame_mm)
     options = {"first_layers_mm[0]": "--first-layer", "layer_mm": "--layer", "frame.plate_mm": "--plate"}
     options |= {f"frame.{name}": "--frame" for name in ("size_mm", "bar_mm")}
     try:

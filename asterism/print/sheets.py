@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import textwrap
 from collections.abc import Sequence
 from dataclasses import replace
@@ -123,7 +124,7 @@ def stretch_sheet(job: Job) -> Drawing:
     lies = "its sides along the threads that will lie along the frame"
     if job.design.fabric.is_orthotropic:
         lies = "with the grain along the arrow"
-    longer = 1.0 + 0.01 * job.fabric_set_percent
+    longer = 1.0 + 0.01 * job.settings.fabric_set_percent
     measured = f"stretch that you measured, over {longer:g}," if longer > 1.0 else "stretch that you measured"
     paragraphs = [
         f"1. Lay the relaxed fabric on this page and draw the dashed square on it, {lies}.",
@@ -206,6 +207,31 @@ def needle_sheet(job: Job) -> Drawing | None:
         paragraphs.append("Where the sheet slides (along z, or in the plane) the place is that of its computed shape.")
     field = np.maximum(job.printer.frame.size_mm, high - low + 40.0)
     return _sheet(job, "needles", field, (low + high) / 2, items, "Drilling template 1:1", paragraphs, table)
+
+
+def middle_lines(job: Job) -> Drawing:
+    """The rods of the printed design in printed coordinates: a layer for each name and width, lines as wide as rods.
+
+    A rod whose width varies has its mean width. The page is the box around the cut lines.
+    """
+    rods = job.plan.drawn_rods
+    widths: dict[str, set[float]] = {}
+    # characters that names of layers cannot have in DXF
+    keys = [(re.sub(r'[<>/\\":;?*=`|,\x00-\x1f]', "_", rod.name), round(float(rod.width.mean()), 3)) for rod in rods]
+    for name, width in keys:
+        widths.setdefault(name, set()).add(width)
+    layers = {
+        (name, width): DrawingLayer(
+            name if len(widths[name]) == 1 else f"{name} {width:g}", RODS.colour, width, is_printed_width=True
+        )
+        for name, width in dict.fromkeys(keys)
+    }
+    items = []
+    for rod, key in zip(rods, keys, strict=True):
+        closed = rod.start == rod.end
+        items.append(Polyline(layers[key], rod.points[:-1] if closed else rod.points, closed=closed))
+    everything = np.concatenate(job.cut)
+    return Drawing(f"{job.design.name}: middle lines", everything.min(axis=0), everything.max(axis=0), tuple(items))
 
 
 def _clear_of(needles: Floats) -> Floats:

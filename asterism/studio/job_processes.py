@@ -22,6 +22,7 @@ import numpy as np
 from asterism.equilibrium.arrays import Array
 from asterism.equilibrium.errors import Error
 from asterism.pattern.design.design import Design
+from asterism.print.settings import ExportSettings
 from asterism.results.words import shape_in_words
 from asterism.studio.answers import engine_problem
 from asterism.studio.messages import Fitted, JobProgress, Released, Settle, Settled, Surface, Written
@@ -168,10 +169,10 @@ def run_export(
     table: dict[str, Any],
     folder: str,
     out: str,
-    options: dict[str, Any],
+    settings: ExportSettings,
     exact: bytes | None = None,
 ) -> Written:
-    """Write all files for the print into `out`; see `asterism.print.export.export` for the options.
+    """Write all files for the print into `out`.
 
     Parameters
     ----------
@@ -179,9 +180,10 @@ def run_export(
     """
     from asterism.print.export import export
 
-    if exact is not None and options.pop("preview", False):
-        options["shape"] = pickle.loads(exact)
-    exported = export(Design.from_dict(table, folder), out, say=progress.say, **options)
+    shape = None
+    if exact is not None and settings.preview:
+        settings, shape = replace(settings, preview=False), pickle.loads(exact)
+    exported = export(Design.from_dict(table, folder), out, settings, shape=shape, say=progress.say)
     seen = exported.job.shape
     state = {"shape_state": None if seen is None else shape_in_words(seen.summary)}
     return Written(number, exported.summary.to_json() | state, out, tuple(exported.files), exported.warnings)

@@ -94,7 +94,7 @@ class JobRequests:
                 weights = sheet_weights(document.table, document.layout, sheet, target)
                 arguments = (target.surface_of_file, target.name, request.hold, studio.printer, weights)
             case ask.ExportRequest(type=kind):
-                arguments = (*table, str(printed), {"printer": studio.printer, **request.options}, exact)
+                arguments = (*table, str(printed), request.settings(studio.printer), exact)
             case ask.Simple(type="report" as kind):
                 arguments = (*table, str(folder / f"{stem}.pdf"), studio.printer, exact)
             case ask.Simple(type="animate" | "spread" as kind):

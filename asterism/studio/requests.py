@@ -9,6 +9,7 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError,
 
 from asterism.equilibrium.errors import Error
 from asterism.homogenize.law.plan import RodSizeKey
+from asterism.print.settings import ExportSettings
 from asterism.studio.painted_field import Brush
 
 WholeNumber = Annotated[int, Field(ge=0, le=2**53)]
@@ -255,10 +256,10 @@ class ExportRequest(Request):
     border: bool | None = None
     needle_spacing_mm: float | None = None
 
-    @property
-    def options(self) -> dict[str, Any]:
-        """The arguments of `asterism.print.export.export` that are given."""
-        return self.model_dump(exclude={"type", "seq", "document"}, exclude_none=True)
+    def settings(self, printer: str) -> ExportSettings:
+        """The settings of the export, with the printer that the studio has chosen if none is given."""
+        given = self.model_dump(exclude={"type", "seq", "document"}, exclude_none=True)
+        return ExportSettings(**{"printer": printer, **given})
 
 
 class PrinterRequest(Request):

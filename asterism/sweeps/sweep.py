@@ -266,7 +266,7 @@ def sweep_parameters(design: Design, vary: Vary) -> tuple[SweepParameter, ...]:
     return parameters
 
 
-def sampled(parameters: Sequence[SweepParameter], samples: int | None, seed: int) -> list[dict[str, Any]]:
+def sampled(parameters: Sequence[SweepParameter], samples: int | None, seed: int = 0) -> list[dict[str, Any]]:
     """Values of the parameters by path for each design: all combinations, or a Latin hypercube of so many `samples`.
 
     Raises

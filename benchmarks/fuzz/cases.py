@@ -35,21 +35,21 @@ SWEPT = (
 )  # fmt: skip
 OPTIONS: dict[str, tuple[str, ...]] = {
     "preview": ("--side", "--law", "--material", "-o", "--strict", "--quiet"),
-    "simulate": ("--edge", "--seed", "--backend", "-o", "--material", "--strict"),
+    "simulate": ("--edge", "--backend", "-o", "--material", "--strict"),
     "verify": ("--edge", "--law", "--backend", "-o"),
     "export": (
         "--printer", "--plastic", "--first-layer", "--layer", "--plate", "--fabric", "--turn", "--needle-spacing",
         "--no-border", "--shape", "-o",
     ),
-    "report": ("--results", "--printer", "--plastic", "-o"),
-    "strips fit": ("--kappa-bar", "--stretch", "--flat-height", "--rest-curvature", "--outside", "-o"),
-    "strips new": ("--thickness", "--count", "--length", "--width", "--stretch", "--plate", "--fabric", "--printer"),
+    "report": ("--results", "--printer", "-o"),
+    "strips fit": ("--kappa-bar", "--stretch", "--rest-curvature", "--outside", "-o"),
+    "strips new": ("--thickness", "--count", "--length", "--stretch", "--plate", "--fabric", "--printer"),
     "compare": ("--units", "--view", "--trim", "-o"),
     "law show": ("-o",),
     "new": ("-o",),
     "printers": (),
-    "sweep": ("--samples", "--seed", "--jobs", "--law", "--material", "-o", "--strict", "--quiet"),
-    "compare-designs": ("--printer", "--plastic", "--law", "--material", "-o", "--strict", "--quiet"),
+    "sweep": ("--samples", "--jobs", "--law", "--material", "-o", "--strict", "--quiet"),
+    "compare-designs": ("--printer", "--law", "--material", "-o", "--strict", "--quiet"),
 }  # fmt: skip
 FLAGS = ("--strict", "--quiet", "--no-border", "--outside")
 SIX_CORNERS = [[-30.0, -25.0], [30.0, -25.0], [38.0, 0.0], [30.0, 25.0], [-30.0, 25.0], [-38.0, 0.0]]

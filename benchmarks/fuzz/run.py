@@ -65,7 +65,7 @@ def _warm_up(kit: Path) -> None:
     """Do once what most cases do: they find modules loaded, loops compiled and fonts chosen."""
     import asterism
     import asterism.cli.app
-    import asterism.cli.fit
+    import asterism.cli.shapes
     import asterism.measure.strips.fit_strips
     import asterism.sweeps.sweep
 

@@ -26,9 +26,9 @@ from asterism.pattern.design.errors import DesignError
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
 from asterism.previews.session import preview
+from asterism.print.export import write_export
 from asterism.print.job import prepare
 from asterism.print.printer import load_plastic, load_printer
-from asterism.print.write import write_export
 from asterism.reports.html import png
 from asterism.reports.plots import comparison_views
 from asterism.results.files import write_file

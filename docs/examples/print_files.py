@@ -7,5 +7,5 @@ from pathlib import Path
 
 import asterism
 
-asterism.export(asterism.new("roof"), "roof-print", printer="ultimaker2", preview=True)
+asterism.export(asterism.new("roof"), "roof-print", asterism.ExportSettings(printer="ultimaker2", preview=True))
 print(sorted(path.name for path in Path("roof-print").iterdir()))

@@ -18,12 +18,11 @@ from matplotlib.figure import Figure
 
 from asterism.draw.fonts import write_title
 from asterism.draw.style import PALE, add_grid, style_axes
+from asterism.measure.strips.settings import StripFitSettings, StripFormula
 from asterism.measure.strips.strip_fit import (
     CONFIDENCE,
     FLAT_HEIGHT_MM,
-    KappaBarKind,
     StripFit,
-    StripFormula,
     fit_directions,
 )
 from asterism.measure.strips.strip_table import Reading, read_strips
@@ -60,12 +59,10 @@ class FittedMaterial:
     ----------
     fits : one fit with its estimates, intervals and readings, or those along and across the grain.
     table : name of the table.
-    options : options that the table was read with.
     """
 
     fits: tuple[StripFit, ...]
     table: str
-    options: StripOptionsRecord
 
     @property
     def plastic(self) -> Plastic:
@@ -84,12 +81,12 @@ class FittedMaterial:
     @property
     def _ratios(self) -> list[float]:
         """E1/E2 of each direction."""
-        return [fit.ratio[fit.formula].value for fit in self.fits]
+        return [fit.found.value for fit in self.fits]
 
     @property
     def spread(self) -> Spread:
         """The intervals as a design has them, without those that the strips leave open."""
-        ratios = [fit.ratio[fit.formula] for fit in self.fits]
+        ratios = [fit.found for fit in self.fits]
         factor = max(max(high / value, value / low) for value, low, high in ratios)
         found = {"modulus_ratio_factor": min(factor, MAX_FACTOR)}
         if self.fits[0].kappa_bar:
@@ -101,16 +98,22 @@ class FittedMaterial:
     def summary(self) -> StripFitRecord:
         """All numbers; the content of the JSON file beside the material."""
         fit, *across = self.fits
+        settings = fit.settings
+        given = {name: getattr(settings, name) for name in ("stretch", "fabric_thickness_mm")}
         return StripFitRecord(
             version=__version__,
             strips=self.table,
-            options=self.options,
-            rest_curvature=fit.formula,
+            options=StripOptionsRecord(
+                outside=settings.outside,
+                flat_height_mm=FLAT_HEIGHT_MM,
+                **{name: ABSENT if value is None else value for name, value in given.items()},
+            ),
+            rest_curvature=settings.rest_curvature,
             confidence=CONFIDENCE,
             degrees_of_freedom=fit.freedom,
             modulus_ratio=_intervals(fit),
             modulus_ratio_across=_intervals(across[0]) if across else ABSENT,
-            kappa_bar_kind=fit.kappa_bar_kind,
+            kappa_bar_kind=settings.kappa_bar,
             kappa_bar=[
                 KappaBarRecord(thickness_mm=h, value_per_mm=value, low_per_mm=low, high_per_mm=high)
                 for h, (value, low, high) in fit.kappa_bar.items()
@@ -127,16 +130,16 @@ class FittedMaterial:
     @property
     def sentences(self) -> list[str]:
         """Meaning of the two conventions of E1/E2."""
-        fit = self.fits[0]
-        other: StripFormula = "timoshenko" if fit.formula == "paper" else "paper"
-        mine, theirs = fit.ratio[fit.formula].value, fit.ratio[other].value
+        fit, formula = self.fits[0], self.fits[0].settings.rest_curvature
+        other: StripFormula = "timoshenko" if formula == "paper" else "paper"
+        mine, theirs = fit.found.value, fit.ratio[other].value
         known = [(r.thickness_mm, r.fabric_thickness_mm, mine, 1 - r.stretch**-2) for r in fit.used if not r.peeled]
-        mixed_up = np.mean([bilayer_curvature(*one, other) / bilayer_curvature(*one, fit.formula) for one in known])
+        mixed_up = np.mean([bilayer_curvature(*one, other) / bilayer_curvature(*one, formula) for one in known])
         return [
-            f'{mine:.4g} goes with rest_curvature = "{fit.formula}", {theirs:.4g} with "{other}": each with its own '
+            f'{mine:.4g} goes with rest_curvature = "{formula}", {theirs:.4g} with "{other}": each with its own '
             "formula gives these strips the curvature they have.",
             f'The ratio is also the stiffness of the arms against the fabric: with "{other}" they are '
-            f'{theirs / mine:.2f} times as stiff as with "{fit.formula}".',
+            f'{theirs / mine:.2f} times as stiff as with "{formula}".',
             f'Mixed up, {mine:.4g} with "{other}", the fabric would curl the strips {mixed_up:.2f} times as much.',
         ]
 
@@ -163,26 +166,12 @@ class FittedMaterial:
         return list(dict.fromkeys(each for fit in self.fits for each in getattr(fit, name)))
 
 
-def fit_strips(
-    table: str | Path,
-    *,
-    rest_curvature: StripFormula = "paper",
-    kappa_bar: KappaBarKind = "constant",
-    stretch: float | None = None,
-    fabric_thickness_mm: float | None = None,
-    outside: bool = False,
-    flat_height_mm: float = FLAT_HEIGHT_MM,
-) -> FittedMaterial:
+def fit_strips(table: str | Path, settings: StripFitSettings | None = None) -> FittedMaterial:
     """Fit E1/E2 and kappa_bar to a table of measured strips.
 
     Parameters
     ----------
     table : CSV file with a row for each strip, as `new_strips` writes it.
-    rest_curvature : convention of E1/E2: paper or timoshenko.
-    kappa_bar : curvature of peeled plastic: constant, per-thickness or zero.
-    stretch, fabric_thickness_mm : values for all strips, if the table gives none.
-    outside : the boxes enclose the thickness of the strips.
-    flat_height_mm : strips whose arc is lower count as flat.
 
     Raises
     ------
@@ -195,25 +184,18 @@ def fit_strips(
     --------
     >>> import tempfile
     >>> from pathlib import Path
-    >>> from asterism.measure.strips.fit_strips import fit_strips
+    >>> from asterism.measure.strips.fit_strips import StripFitSettings, fit_strips
     >>> rows = ["strip,thickness_mm,length_mm,curvature_per_mm,peeled_curvature_per_mm"]
     >>> rows += ["1,0.3,60,0.0302,0.003", "2,0.3,60,0.0298,0.0031", "3,0.4,60,0.0170,0.0029", "4,0.4,60,0.0174,0.003"]
     >>> table = Path(tempfile.mkdtemp()) / "strips.csv"
     >>> _ = table.write_text(chr(10).join(rows))
-    >>> material = fit_strips(table, stretch=1.35, fabric_thickness_mm=0.8)
+    >>> material = fit_strips(table, StripFitSettings(stretch=1.35, fabric_thickness_mm=0.8))
     >>> 0.002 < material.plastic.kappa_bar_per_mm < 0.004
     True
     """
-    table = Path(table)
-    readings = read_strips(table, stretch, fabric_thickness_mm, outside=outside)
-    fits = fit_directions(readings, rest_curvature, kappa_bar, flat_height_mm=flat_height_mm)
-    options = StripOptionsRecord(
-        outside=outside,
-        flat_height_mm=flat_height_mm,
-        stretch=ABSENT if stretch is None else stretch,
-        fabric_thickness_mm=ABSENT if fabric_thickness_mm is None else fabric_thickness_mm,
-    )
-    return FittedMaterial(fits, table.name, options)
+    table, settings = Path(table), StripFitSettings() if settings is None else settings
+    readings = read_strips(table, settings)
+    return FittedMaterial(fit_directions(readings, settings), table.name)
 
 
 def _intervals(fit: StripFit) -> dict[str, RatioIntervalRecord]:
@@ -326,7 +308,7 @@ def draw_fit(fits: Sequence[StripFit], title: str, path_or_file: str | Path | IO
     for fit, colour in zip(fits, FABRIC_COLOURS, strict=False):
         covered = [reading for reading in fit.used if not reading.peeled]
         for stretch, fabric_mm in {(r.stretch, r.fabric_thickness_mm) for r in covered}:
-            fabric, ends = Fabric(stretch=stretch, thickness_mm=fabric_mm), fit.ratio[fit.formula]
+            fabric, ends = Fabric(stretch=stretch, thickness_mm=fabric_mm), fit.found
             middle, low, high = (rest_curvature(h, fabric, fit.plastic(min(max(end, 1.0), 1e7))) for end in ends)
             axes.fill_between(h, low, high, color=colour, alpha=0.2, linewidth=0)
             axes.plot(h, middle, color=colour, linewidth=1.2)
@@ -346,18 +328,18 @@ def draw_fit(fits: Sequence[StripFit], title: str, path_or_file: str | Path | IO
     write_title(figure, 0.012, 0.93, title, 14)
     ratios = " and ".join(
         f"{ratio.value:.0f}, {ratio.low:.0f} to {'no bound' if np.isinf(ratio.high) else f'{ratio.high:.0f}'}"
-        for ratio in (fit.ratio[fit.formula] for fit in fits)
+        for ratio in (fit.found for fit in fits)
     )
     lie = " along and across" if len(fits) > 1 else ""
     text = f"E1/E2{lie} = {ratios} ({100 * CONFIDENCE:g} %, shaded)"
-    text += f', rest_curvature = "{one.formula}"; crosses: left out or doubtful'
+    text += f', rest_curvature = "{one.settings.rest_curvature}"; crosses: left out or doubtful'
     figure.text(0.012, 0.88, text, fontsize=10, color=PALE, parse_math=False)
     figure.savefig(path_or_file, format="png", dpi=150)
 
 
 def _draw_readings(axes: Axes, fit: StripFit, readings: list[Reading], colour: str, label: str) -> None:
     bent = [(r.thickness_mm, r.curvature_per_mm) for r in readings if r.curvature_per_mm]
-    flat = [(r.thickness_mm, 8 * fit.flat_height_mm / r.length_mm**2) for r in readings if r.curvature_per_mm is None]
+    flat = [(r.thickness_mm, 8 * FLAT_HEIGHT_MM / r.length_mm**2) for r in readings if r.curvature_per_mm is None]
     if bent:
         axes.plot(*zip(*bent, strict=True), "o", color=colour, markersize=4, alpha=0.6, label=label)
     if flat:

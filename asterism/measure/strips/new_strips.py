@@ -12,6 +12,7 @@ import shapely
 
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.measure.strips import arc
+from asterism.measure.strips.settings import StripPrintSettings
 from asterism.measure.strips.strip_table import BOX_COLUMNS, DIRECTION_COLUMN, KNOWN_COLUMNS, Direction
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.materials import Fabric, Plastic, rest_curvature
@@ -22,12 +23,13 @@ from asterism.print.formats.pdf import write_pdf
 from asterism.print.formats.stl import write_stl
 from asterism.print.formats.threemf import write_3mf
 from asterism.print.instructions import homing_advice
-from asterism.print.printer import Printer, load_printer
+from asterism.print.printer import Printer, adjusted_printer
 from asterism.print.rounded import MAX_LAYER_OVER_LINE
+from asterism.print.settings import ExportSettings
 from asterism.print.solid import Solid, Terrace, terraced_solid
 from asterism.results.files import OutputError, staged
 
-THICKNESSES_MM = (0.30, 0.35, 0.40, 0.45)
+STRIP_WIDTH_MM = 4.0
 # gap between strips: space for scissors
 STRIP_GAP_MM = 8.0
 BED_MARGIN_MM = 5.0
@@ -44,7 +46,7 @@ class PrintedStrip:
     number : from 1, row by row from the lower left.
     centre_mm : centre, from the middle of the bed.
     size_mm : along x and y.
-    direction : to the grain of the fabric, which lies along x; None if the specimen has one direction.
+    direction : to the grain of the fabric, which lies along x; None if the print has one direction.
     """
 
     number: int
@@ -55,39 +57,50 @@ class PrintedStrip:
 
 
 @dataclass(frozen=True)
-class Specimen:
-    """All strips of a test print, of one length. They lie along x, or some along x and the others along y."""
+class StripsPrint:
+    """A test print, of which the command has written the files.
 
-    length_mm: float
+    Attributes
+    ----------
+    printer : the printer with the plate of the settings.
+    strips : the strips on the bed; all along x, or some along x and the others along y.
+    layers_mm : heights of the first layer and of the other layers.
+    files : names of the files.
+    """
+
+    settings: StripPrintSettings
+    printer: Printer
     strips: tuple[PrintedStrip, ...]
-
-    @property
-    def has_directions(self) -> bool:
-        """Strips lie along and across the grain of the fabric."""
-        return any(strip.direction for strip in self.strips)
+    layers_mm: tuple[float, float]
+    files: tuple[str, ...] = ("start.gcode", "strips.3mf", "strips.csv", "strips.pdf", "strips.stl")
 
     @property
     def thicknesses_mm(self) -> tuple[float, ...]:
-        """The thicknesses, each once, the smallest first."""
-        return tuple(sorted({strip.thickness_mm for strip in self.strips}))
+        """The thicknesses, the smallest first."""
+        return tuple(sorted(self.settings.thicknesses_mm))
+
+    @property
+    def under_nozzle_mm(self) -> float:
+        """Thickness of the stretched fabric, or of the released one if that is not known."""
+        return self.settings.fabric_mm or self.settings.fabric_thickness_mm
+
+    @property
+    def z_offset_mm(self) -> float:
+        """Height of the fabric's surface above the bed."""
+        return self.printer.frame.plate_mm + self.under_nozzle_mm
 
 
-def lay_out_specimen(
-    bed_mm: tuple[float, float],
-    thicknesses_mm: tuple[float, ...] = THICKNESSES_MM,
-    count: int = 10,
-    length_mm: float = 60.0,
-    width_mm: float = 4.0,
-    both_directions: bool = False,
-) -> Specimen:
-    """Lay out `count` strips of each thickness on a bed, along x; or as many along x and above them along y.
+def lay_out_strips(bed_mm: tuple[float, float], settings: StripPrintSettings) -> tuple[PrintedStrip, ...]:
+    """Lay out the strips of each thickness on a bed, along x; or as many along x and above them along y.
 
     The thicknesses alternate, so that an uneven bed affects all of them equally. DesignError if they do not fit.
     """
+    thicknesses_mm, both, length_mm = settings.thicknesses_mm, settings.both_directions, settings.length_mm
+    count = settings.count or (5 if both else 10)
     total, room = count * len(thicknesses_mm), [side - 2 * BED_MARGIN_MM for side in bed_mm]
-    size = (length_mm, width_mm)
+    size = (length_mm, STRIP_WIDTH_MM)
     blocks: list[tuple[Direction | None, tuple[float, float]]]
-    blocks = [("along", size), ("across", size[::-1])] if both_directions else [(None, size)]
+    blocks = [("along", size), ("across", size[::-1])] if both else [(None, size)]
     given = f"{total * len(blocks)} strips of {length_mm:g} mm"
     fits = f"must fit on the bed of {bed_mm[0]:g} x {bed_mm[1]:g} mm: "
     strips: list[PrintedStrip] = []
@@ -107,8 +120,7 @@ def lay_out_specimen(
     height = top - STRIP_GAP_MM
     if height > room[1]:
         raise DesignError("--count", f"{fits}they need {height:g} of {room[1]:g} mm", given)
-    middle = [replace(strip, centre_mm=(strip.centre_mm[0], strip.centre_mm[1] - height / 2)) for strip in strips]
-    return Specimen(length_mm, tuple(middle))
+    return tuple(replace(each, centre_mm=(each.centre_mm[0], each.centre_mm[1] - height / 2)) for each in strips)
 
 
 def layer_heights(thicknesses_mm: tuple[float, ...], nozzle_mm: float) -> tuple[float, float]:
@@ -139,30 +151,21 @@ BOX_PEN = DrawingLayer("boxes", "#c8553d", 0.25, dash_mm=(1.5, 1.0))
 # the curled strip, seen from its edge
 ARC_PEN = DrawingLayer("arcs", "#2a6f97", 0.8)
 
-Pair = tuple[float, float]
 
-
-def strip_form(
-    specimen: Specimen, printer: Printer, under_nozzle_mm: float, layers_mm: Pair, stretch: float, fabric_mm: float
-) -> tuple[Drawing, ...]:
-    """Pages of A4: the instructions with the map, and the table with 40 strips a page.
-
-    Parameters
-    ----------
-    under_nozzle_mm : thickness of the stretched fabric.
-    layers_mm : heights of the first layer and of the other layers.
-    stretch, fabric_mm : stretch of the fabric, and its thickness when released.
-    """
-    first, others = layers_mm
+def strip_form(new: StripsPrint) -> tuple[Drawing, ...]:
+    """Pages of A4: the instructions with the map, and the table with 40 strips a page."""
+    settings, printer = new.settings, new.printer
+    stretch, fabric_mm, under_nozzle_mm = settings.stretch, settings.fabric_thickness_mm, new.under_nozzle_mm
+    first, others = new.layers_mm
     plate_mm = printer.frame.plate_mm
-    expected = rest_curvature(specimen.thicknesses_mm, Fabric(stretch=stretch, thickness_mm=fabric_mm), Plastic())
-    heights = arc.box(expected, specimen.length_mm)[1]
-    thicknesses = ", ".join(f"{h:g}" for h in specimen.thicknesses_mm)
+    expected = rest_curvature(new.thicknesses_mm, Fabric(stretch=stretch, thickness_mm=fabric_mm), Plastic())
+    heights = arc.box(expected, settings.length_mm)[1]
+    thicknesses = ", ".join(f"{h:g}" for h in new.thicknesses_mm)
     lines = [
         f"1. Stretch the fabric: a square of 10 cm drawn on it must then measure {10 * stretch:g} cm. If it does not,",
         "    write your own stretch into the table. Measure the fabric's thickness before it is stretched:",
         f"    the table says {fabric_mm:g} mm.",
-        *(["    The fabric's grain lies from left to right."] if specimen.has_directions else []),
+        *(["    The fabric's grain lies from left to right."] if settings.both_directions else []),
         *wrapped(f"2. Put the frame with its plate on the bed. {homing_advice(printer)}"),
         *wrapped(
             "3. Add start.gcode to the end of the printer's start code and leave the slicer's z offset at 0: the "
@@ -182,8 +185,8 @@ def strip_form(
     ]
     items, y = page_head("Strips to measure a plastic and a fabric", lines)
     items += _boxes(np.array([15.0, y - 34.0]))
-    items += _map(specimen, printer.bed_mm)
-    tables = [_table_page(specimen, specimen.strips[i : i + 40]) for i in range(0, len(specimen.strips), 40)]
+    items += _map(new)
+    tables = [_table_page(new, new.strips[i : i + 40]) for i in range(0, len(new.strips), 40)]
     return (Drawing("Strips", np.zeros(2), np.array(A4_MM), tuple(items)), *tables)
 
 
@@ -194,30 +197,33 @@ def page_head(title: str, lines: list[str]) -> tuple[list[Polyline | Label], flo
     return items, 268.0 - 5.0 * len(lines)
 
 
-def csv_text(specimen: Specimen, stretch: float, fabric_mm: float) -> str:
+def csv_text(new: StripsPrint) -> str:
     """The table to fill in as CSV, with the known values."""
-    direction = [DIRECTION_COLUMN] if specimen.has_directions else []
+    settings = new.settings
+    direction = [DIRECTION_COLUMN] if settings.both_directions else []
     lines = [",".join((*KNOWN_COLUMNS, *direction, *BOX_COLUMNS))]
-    for strip in specimen.strips:
-        known = [str(strip.number), *(f"{x:g}" for x in (strip.thickness_mm, specimen.length_mm, stretch, fabric_mm))]
+    fabric = settings.length_mm, settings.stretch, settings.fabric_thickness_mm
+    for strip in new.strips:
+        known = [str(strip.number), *(f"{x:g}" for x in (strip.thickness_mm, *fabric))]
         known += [strip.direction] if strip.direction else []
         lines.append(",".join([*known, *[""] * len(BOX_COLUMNS)]))
     return "\n".join(lines) + "\n"
 
 
-def _map(specimen: Specimen, bed_mm: tuple[float, float]) -> list[Polyline | Label]:
+def _map(new: StripsPrint) -> list[Polyline | Label]:
     """The strips on the bed at the foot of the page, in a round scale."""
+    bed_mm = new.printer.bed_mm
     scales = (1, 2, 2.5, 3, 4, 5, 10, 20, 50)
     parts = next(n for n in scales if all(bed <= n * room for bed, room in zip(bed_mm, MAP_MM, strict=True)))
     width, depth = bed_mm[0] / parts, bed_mm[1] / parts
     centre = (A4_MM[0] / 2, 12.0 + depth / 2)
-    grain = ", grain from left to right" if specimen.has_directions else ""
+    grain = ", grain from left to right" if new.settings.both_directions else ""
     head = f"The print, 1:{parts:g}, seen from above: number and thickness{grain}"
     items: list[Polyline | Label] = [
         Label(HELP_PEN, np.array([15.0, 14.5 + depth]), head, 3.0),
         rectangle(HELP_PEN, (width, depth), centre),
     ]
-    for strip in specimen.strips:
+    for strip in new.strips:
         size = (strip.size_mm[0] / parts, strip.size_mm[1] / parts)
         x, y = centre[0] + strip.centre_mm[0] / parts, centre[1] + strip.centre_mm[1] / parts
         items.append(rectangle(STRIP_PEN, size, (x, y)))
@@ -249,7 +255,7 @@ def _boxes(corner: Floats) -> list[Polyline | Label]:
     return items
 
 
-def _table_page(specimen: Specimen, strips: tuple[PrintedStrip, ...]) -> Drawing:
+def _table_page(new: StripsPrint, strips: tuple[PrintedStrip, ...]) -> Drawing:
     edges = np.array([15.0, 30.0, 50.0, 86.0, 122.0, 158.0, 195.0])
     middles = (edges[:-1] + edges[1:]) / 2
     heads = ("strip", "thickness", "width", "height", "width", "height")
@@ -267,57 +273,13 @@ def _table_page(specimen: Specimen, strips: tuple[PrintedStrip, ...]) -> Drawing
                 items.append(Label(TEXT, np.array([x, y - pitch + 1.9]), text, 3.0, end="middle"))
     bottom = top - 10.0 - pitch * len(strips)
     items += [Polyline(HELP_PEN, np.array([[x, top], [x, bottom]])) for x in edges]
-    note = f"Boxes in mm; strips {specimen.length_mm:g} mm long. Type them into strips.csv."
+    note = f"Boxes in mm; strips {new.settings.length_mm:g} mm long. Type them into strips.csv."
     items.append(Label(HELP_PEN, np.array([15.0, 285.0]), note, 3.0))
     return Drawing("Strips", np.zeros(2), np.array(A4_MM), tuple(items))
 
 
-TEST_PRINT_FILES = ("start.gcode", "strips.3mf", "strips.csv", "strips.pdf", "strips.stl")
-
-
-@dataclass(frozen=True)
-class StripsPrint:
-    """The files of a test print.
-
-    Attributes
-    ----------
-    specimen : the strips on the bed.
-    layers_mm : heights of the first layer and of the other layers.
-    z_offset_mm : height of the fabric's surface above the bed.
-    files : names of the files.
-    """
-
-    specimen: Specimen
-    layers_mm: tuple[float, float]
-    z_offset_mm: float
-    files: tuple[str, ...] = TEST_PRINT_FILES
-
-
-def new_strips(
-    directory: str | Path,
-    printer: str | Printer = "ultimaker2",
-    *,
-    thicknesses_mm: tuple[float, ...] = THICKNESSES_MM,
-    count: int = 10,
-    length_mm: float = 60.0,
-    width_mm: float = 4.0,
-    stretch: float = 1.35,
-    fabric_thickness_mm: float = 0.8,
-    stretched_thickness_mm: float | None = None,
-    both_directions: bool = False,
-) -> StripsPrint:
+def new_strips(directory: str | Path, settings: StripPrintSettings | None = None) -> StripsPrint:
     """Write the files of a test print: strips as STL and 3MF, start code, instructions, and a table to fill in.
-
-    Parameters
-    ----------
-    printer : a profile, its name, or its file.
-    thicknesses_mm : thicknesses of the strips.
-    count : strips of each thickness, and direction.
-    length_mm, width_mm : size of each strip.
-    stretch, fabric_thickness_mm : stretch of the fabric, and its thickness when released.
-    stretched_thickness_mm : its thickness when stretched; by default that of the released fabric.
-
-    both_directions : strips along the grain of the fabric, which lies along x, and as many across.
 
     Raises
     ------
@@ -329,38 +291,34 @@ def new_strips(
     Examples
     --------
     >>> import tempfile
-    >>> from asterism.measure.strips.new_strips import new_strips
-    >>> written = new_strips(tempfile.mkdtemp(), "ultimaker2", count=2)
-    >>> len(written.specimen.strips), written.layers_mm, written.z_offset_mm
+    >>> from asterism.measure.strips.new_strips import StripPrintSettings, new_strips
+    >>> written = new_strips(tempfile.mkdtemp(), StripPrintSettings(count=2))
+    >>> len(written.strips), written.layers_mm, written.z_offset_mm
     (8, (0.3, 0.05), 4.8)
     """
-    directory = Path(directory)
-    machine = load_printer(printer)
-    for h in thicknesses_mm:
-        if not THICKNESS_RANGE_MM[0] <= h <= THICKNESS_RANGE_MM[1]:
-            raise DesignError(
-                "--thickness", f"must be from {THICKNESS_RANGE_MM[0]:g} to {THICKNESS_RANGE_MM[1]:g} mm", h
-            )
-    if len(set(thicknesses_mm)) < len(thicknesses_mm):
-        raise DesignError("--thickness", "must not be given twice", max(thicknesses_mm, key=thicknesses_mm.count))
-    heights = layer_heights(thicknesses_mm, machine.nozzle_mm)
-    specimen = lay_out_specimen(machine.bed_mm, thicknesses_mm, count, length_mm, width_mm, both_directions)
-    table, text = directory / "strips.csv", csv_text(specimen, stretch, fabric_thickness_mm)
+    directory, settings = Path(directory), StripPrintSettings() if settings is None else settings
+    machine = adjusted_printer(ExportSettings(printer=settings.printer, plate_mm=settings.plate_mm))
+    low, high = THICKNESS_RANGE_MM
+    for h in settings.thicknesses_mm:
+        if not low <= h <= high:
+            raise DesignError("--thickness", f"must be from {low:g} to {high:g} mm", h)
+        if settings.thicknesses_mm.count(h) > 1:
+            raise DesignError("--thickness", "must not be given twice", h)
+    layers = layer_heights(settings.thicknesses_mm, machine.nozzle_mm)
+    new = StripsPrint(settings, machine, lay_out_strips(machine.bed_mm, settings), layers)
+    table, text = directory / "strips.csv", csv_text(new)
     if table.exists() and table.read_bytes() != text.encode():
         raise OutputError(f"{table} exists and may have been filled in; choose another directory with -o")
-    rounding = Rounding(first_layer_mm=heights[0], layer_mm=heights[1], line_mm=machine.nozzle_mm)
-    solids = [_solid(strip) for strip in specimen.strips]
-    under_nozzle = fabric_thickness_mm if stretched_thickness_mm is None else stretched_thickness_mm
-    z_offset = machine.frame.plate_mm + under_nozzle
+    rounding = Rounding(first_layer_mm=layers[0], layer_mm=layers[1], line_mm=machine.nozzle_mm)
+    solids = [_solid(strip) for strip in new.strips]
     with staged(directory) as folder:
         write_3mf(folder / "strips.3mf", solids, "strips", rounding)
         write_stl(folder / "strips.stl", *_joined(solids))
         (folder / "strips.csv").write_text(text, encoding="utf-8", newline="\n")
-        pages = strip_form(specimen, machine, under_nozzle, heights, stretch, fabric_thickness_mm)
-        write_pdf(folder / "strips.pdf", pages)
-        code = machine.start_snippet(z_offset, under_nozzle if stretched_thickness_mm is None else None)
+        write_pdf(folder / "strips.pdf", strip_form(new))
+        code = machine.start_snippet(new.z_offset_mm, new.under_nozzle_mm if settings.fabric_mm is None else None)
         (folder / "start.gcode").write_text(code, encoding="utf-8", newline="\n")
-    return StripsPrint(specimen, heights, z_offset)
+    return new
 
 
 def _joined(solids: list[Solid]) -> tuple[Floats, Ints]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, Literal, NamedTuple, Self, get_args
+from typing import Any, NamedTuple, Self, get_args
 
 import numpy as np
 from pydantic import ValidationError
@@ -18,6 +18,7 @@ from scipy.stats import t as student
 
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.equilibrium.errors import Error
+from asterism.measure.strips.settings import KappaBarKind, StripFitSettings, StripFormula
 from asterism.measure.strips.strip_table import DIRECTIONS, Reading
 from asterism.pattern.design.errors import from_validation
 from asterism.pattern.design.materials import Plastic, bilayer_curvature
@@ -26,6 +27,8 @@ from asterism.pattern.design.materials import Plastic, bilayer_curvature
 # and repeats average it. The second is a part of the curvature, and equal strips may share it: by a wrong thickness.
 _USUAL_READING_MM = 0.3
 _USUAL_SHARE = 0.03
+# strips whose arc is lower look flat
+FLAT_HEIGHT_MM = 0.5
 
 
 @dataclass(frozen=True)
@@ -51,8 +54,8 @@ class StripData:
     count: Floats
 
     @classmethod
-    def of(cls, readings: list[Reading], flat_height_mm: float) -> Self:
-        """Single strips; an arc lower than `flat_height_mm` looks flat."""
+    def of(cls, readings: list[Reading]) -> Self:
+        """Single strips."""
         curvature = np.array([r.curvature_per_mm or 0.0 for r in readings])
         # of an arc up to a half circle, and beyond, where its width is 2/curvature
         sensitivity = np.maximum(8 / np.array([r.length_mm for r in readings]) ** 2, curvature**2 / 2)
@@ -60,7 +63,7 @@ class StripData:
         strips = cls(
             curvature,
             sensitivity,
-            flat * flat_height_mm * sensitivity,
+            flat * FLAT_HEIGHT_MM * sensitivity,
             np.array([r.thickness_mm for r in readings]),
             np.array([r.fabric_thickness_mm for r in readings]),
             1 - np.array([r.stretch for r in readings]) ** -2,
@@ -217,14 +220,7 @@ def kinds_apart(strips: StripData, fitted: Callable[[StripData], Floats]) -> str
     return " and ".join(f"{h:g} mm" for h in np.unique(kinds.thickness[np.abs(far) > FAR]))
 
 
-StripFormula = Literal["paper", "timoshenko"]
-KappaBarKind = Literal["constant", "per-thickness", "zero"]
 FORMULAS: tuple[StripFormula, ...] = get_args(StripFormula)
-KAPPA_BAR_KINDS: tuple[KappaBarKind, ...] = get_args(KappaBarKind)
-# strips whose arc is lower count as flat
-FLAT_HEIGHT_MM = 0.5
-
-
 # a reading that is left out or doubtful, and why
 NamedReading = tuple[Reading, str]
 
@@ -243,9 +239,7 @@ class StripFit:
     warnings : one line for each reason to doubt the numbers.
     """
 
-    formula: StripFormula
-    kappa_bar_kind: KappaBarKind
-    flat_height_mm: float
+    settings: StripFitSettings
     ratio: dict[StripFormula, Interval]
     kappa_bar: dict[float | None, Interval]
     freedom: float
@@ -254,18 +248,21 @@ class StripFit:
     outliers: tuple[NamedReading, ...]
     warnings: tuple[str, ...]
 
+    @property
+    def found(self) -> Interval:
+        """E1/E2 in the convention of the settings."""
+        return self.ratio[self.settings.rest_curvature]
+
     def plastic(self, modulus_ratio: float | None = None) -> Plastic:
         """The plastic of a design, with the fitted ratio or another one."""
         kept: Any = self.kappa_bar[None].value if None in self.kappa_bar else 0.0
-        if self.kappa_bar_kind == "per-thickness":
+        if self.settings.kappa_bar == "per-thickness":
             kept = {"thickness_mm": tuple(self.kappa_bar), "per_mm": tuple(i.value for i in self.kappa_bar.values())}
-        ratio = modulus_ratio or self.ratio[self.formula].value
-        return Plastic(modulus_ratio=ratio, rest_curvature=self.formula, kappa_bar_per_mm=kept)
+        ratio, formula = modulus_ratio or self.found.value, self.settings.rest_curvature
+        return Plastic(modulus_ratio=ratio, rest_curvature=formula, kappa_bar_per_mm=kept)
 
 
-def fit_directions(
-    readings: list[Reading], formula: StripFormula, kappa_bar: KappaBarKind, *, flat_height_mm: float
-) -> tuple[StripFit, ...]:
+def fit_directions(readings: list[Reading], settings: StripFitSettings) -> tuple[StripFit, ...]:
     """Fit a material to strips along the grain, and to those across it; one fit if they have no directions.
 
     Each direction is a fit of its own, with all peeled strips: strips of one thickness may share an error, whatever
@@ -274,8 +271,8 @@ def fit_directions(
     covered = [r for r in readings if not r.peeled and not r.left_out]
     lie = {r.direction for r in covered}
     if lie <= {None}:
-        return (fit_readings(readings, formula, kappa_bar, flat_height_mm=flat_height_mm),)
-    if kappa_bar == "constant" and len(covered) == len([r for r in readings if not r.left_out]):
+        return (fit_readings(readings, settings),)
+    if settings.kappa_bar == "constant" and len(covered) == len([r for r in readings if not r.left_out]):
         raise UndeterminedMaterialError(
             "strips in two directions and none peeled cannot tell E1/E2 from kappa_bar: "
             "peel some, or give --kappa-bar zero"
@@ -284,34 +281,22 @@ def fit_directions(
     for direction in DIRECTIONS:
         part = [r for r in readings if r.peeled or r.direction == direction]
         try:
-            fits.append(fit_readings(part, formula, kappa_bar, flat_height_mm=flat_height_mm))
+            fits.append(fit_readings(part, settings))
         except UndeterminedMaterialError as error:
             raise UndeterminedMaterialError(f"strips {direction} the grain: {error}") from None
     return tuple(fits)
 
 
 @np.errstate(all="ignore")  # the material is checked
-def fit_readings(
-    readings: list[Reading],
-    formula: StripFormula = "paper",
-    kappa_bar: KappaBarKind = "constant",
-    *,
-    flat_height_mm: float = FLAT_HEIGHT_MM,
-) -> StripFit:
-    """Fit a material to strips; parameters and errors as those of `fit_strips`.
+def fit_readings(readings: list[Reading], settings: StripFitSettings) -> StripFit:
+    """Fit a material to strips of one direction.
 
     Raises
     ------
     UndeterminedMaterialError
         The readings do not determine E1/E2.
-    ValueError
-        No such formula or kind of kappa_bar, or a height out of range.
     """
-    for option, given, allowed in (("formula", formula, FORMULAS), ("kappa_bar", kappa_bar, KAPPA_BAR_KINDS)):
-        if given not in allowed:
-            raise ValueError(f"{option}: must be one of {', '.join(allowed)}, not {given!r}")
-    if not 0 < flat_height_mm < np.inf:
-        raise ValueError(f"flat_height_mm: must be above 0, not {flat_height_mm}")
+    formula, kappa_bar = settings.rest_curvature, settings.kappa_bar
     used = [r for r in readings if not r.left_out]
     left_out = [(r, r.left_out) for r in readings if r.left_out]
     if not used:
@@ -319,7 +304,7 @@ def fit_readings(
         raise UndeterminedMaterialError(f"no reading can be used: {reasons}")
     bare, covered = [r for r in used if r.peeled], [r for r in used if not r.peeled]
     _check_kinds(bare, covered, kappa_bar)
-    strips = StripData.of(covered, flat_height_mm)
+    strips = StripData.of(covered)
     if all(r.curvature_per_mm is None for r in covered):
         bound = np.max(_of_ratio_one(strips, formula) / strips.limit)
         raise UndeterminedMaterialError(
@@ -333,7 +318,7 @@ def fit_readings(
         keys += sorted({r.thickness_mm for r in bare})
     kept, outliers, doubts = None, _outliers(covered, strips), list[str]()
     if bare:
-        peeled = StripData.of(bare, flat_height_mm)
+        peeled = StripData.of(bare)
         if keys:
             kept = fit_curve(lambda values, some: _of_key(some, keys) @ values, np.zeros(len(keys)), peeled)
         outliers = _outliers(bare, peeled) + outliers
@@ -362,9 +347,7 @@ def fit_readings(
     if np.isinf(ratio[formula].high):
         doubts.append("E1/E2 has no upper bound: the strips bend too little, or they are too few or of too few kinds")
     fit = StripFit(
-        formula,
-        kappa_bar,
-        flat_height_mm,
+        settings,
         ratio,
         {key: kept.interval(i) if kept else mine.interval(1) for i, key in enumerate(keys)},
         float(mine.freedom[0]),

@@ -9,6 +9,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from asterism.measure.strips import arc
+from asterism.measure.strips.settings import StripFitSettings
 from asterism.pattern.design.stars import THICKNESS_RANGE_MM
 from asterism.results.csv_cells import Row, TableError, read_rows
 
@@ -79,10 +80,8 @@ Box = tuple[float, float]
 Measured = tuple[Reading, Box | None]
 
 
-def read_strips(
-    path: Path, stretch: float | None = None, fabric_thickness_mm: float | None = None, *, outside: bool = False
-) -> list[Reading]:
-    """Read the table of measured strips; parameters and errors as those of `fit_strips`.
+def read_strips(path: Path, settings: StripFitSettings) -> list[Reading]:
+    """Read the table of measured strips, with the stretch and the thickness of the fabric that it does not have.
 
     Raises
     ------
@@ -92,7 +91,10 @@ def read_strips(
     rows = read_rows(path, STRIP_COLUMNS, ("strip", "thickness_mm", "length_mm"))
     if not rows:
         raise TableError(path, None, None, "has a header but no strips")
-    given = {"stretch": ("--stretch", stretch), "fabric_thickness_mm": ("--fabric-thickness", fabric_thickness_mm)}
+    given = {
+        "stretch": ("--stretch", settings.stretch),
+        "fabric_thickness_mm": ("--fabric-thickness", settings.fabric_thickness_mm),
+    }
     seen: dict[str, int] = {}
     measured: list[Measured] = []
     for row in rows:
@@ -102,7 +104,7 @@ def read_strips(
         if name in seen:
             raise row.wrong("strip", f"{name!r} is already in row {seen[name]}")
         seen[name] = row.number
-        measured += _readings(row, name, given, outside)
+        measured += _readings(row, name, given, settings.outside)
     if not measured:
         raise TableError(path, None, None, "no strip has been measured yet: fill in the boxes or curvatures")
     _check_not_swapped(rows, [reading for reading, _ in measured])

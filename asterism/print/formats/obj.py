@@ -12,7 +12,8 @@ import numpy as np
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.layout.layout import off_sheet_mm
 from asterism.print.formats.registry import export_format
-from asterism.print.needles import NEEDLE_SPACING_MM, needles
+from asterism.print.needles import needles
+from asterism.print.settings import ExportSettings
 from asterism.shape.shape import Shape
 
 
@@ -43,7 +44,7 @@ def needle_ends(shape: Shape) -> Floats:
     plan = shape.layout
     if plan is None or not plan.pins:
         return np.empty((0, 2, 3))
-    printed = np.array([needle.printed for needle in needles(plan, NEEDLE_SPACING_MM)])
+    printed = np.array([needle.printed for needle in needles(plan, ExportSettings().needle_spacing_mm)])
     upper = shape.at(printed, off_sheet_mm(plan, len(shape.printed)))
     lower = upper.copy()
     # needles end so far below the lowest point of the sheet

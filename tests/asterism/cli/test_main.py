@@ -114,7 +114,6 @@ def test_stars_that_do_not_stay_where_they_were_sent_are_named(
         (["simulate", "d.toml", "--edge", "-1"], "--edge"),
         (["simulate", "d.toml", "--edge", "nan"], "--edge"),
         (["simulate", "d.toml", "--edge", "two"], "--edge"),
-        (["simulate", "d.toml", "--seed", "-3"], "--seed"),
         (["simulate", "d.toml", "--starts", "0"], "--starts"),
         (["simulate", "d.toml", "--backend", "magic"], "backend"),
         (["simulate", "d.toml", "-o", "d.toml"], "d.toml"),

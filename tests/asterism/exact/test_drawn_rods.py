@@ -123,6 +123,6 @@ def test_stars_within_a_rim_are_certified_up_and_exported(tmp_path: Path, capsys
     files = {file.name for file in (tmp_path / "beside-print").iterdir()}
     assert {"stars.stl", "stars.scad", "middle-lines.svg"} <= files and "rods.stl" not in files
     text = (tmp_path / "beside-print" / "stars.scad").read_text()
-    assert "union() { for (s = stars) star(s); for (r = rods) rod(r); }" in text and text.count("rods = [") == 1
+    assert "stars and rods for the" in text and text.count("\n  [") == 13 + len(shape.layout.drawn_rods)
     for name in ("preview", "verify"):
         assert "do not repeat have no law" in command([name, "beside.toml", "--quiet"], capsys, monkeypatch).line

@@ -7,6 +7,8 @@ from typing import Any
 from asterism.pattern.design.design import Design
 from asterism.print.job import Job, prepare
 from asterism.print.printer import load_plastic, load_printer
+from asterism.print.settings import ExportSettings
+from asterism.shape.shape import Shape
 
 SMALL: dict[str, Any] = {
     "name": "small",
@@ -26,8 +28,14 @@ def design(**changes: Any) -> Design:
     return Design.from_dict(SMALL | changes)
 
 
-def job(of: Design | None = None, printer: dict[str, Any] | None = None, **options: Any) -> Job:
+def job(
+    of: Design | None = None,
+    printer: dict[str, Any] | None = None,
+    shape: Shape | None = None,
+    any_size: bool = False,
+    **settings: Any,
+) -> Job:
     """A job for the paper's printer, with some of its entries changed."""
     machine = load_printer("ultimaker2")
     changed = type(machine).model_validate(machine.model_dump() | (printer or {}))
-    return prepare(of or design(), changed, load_plastic("tpu95a"), **options)
+    return prepare(of or design(), changed, load_plastic("tpu95a"), ExportSettings(**settings), shape, any_size)

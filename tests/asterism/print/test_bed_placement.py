@@ -12,6 +12,7 @@ from asterism.pattern.design.design import Design, save_design
 from asterism.print import printer as profiles
 from asterism.print.bed_placement import frame_warning, size_warning
 from asterism.print.printer import adjusted_printer
+from asterism.print.settings import ExportSettings
 from tests.asterism.commands import Cli
 
 
@@ -75,6 +76,5 @@ def test_the_frame_is_an_option(
 
 
 def test_a_frame_that_stands_out_over_the_bed_is_named() -> None:
-    paper = profiles.load_printer("ultimaker2")
-    assert not list(frame_warning(adjusted_printer(paper, frame=(220.0, 220.0))))
-    assert list(frame_warning(adjusted_printer(paper, frame=(260.0, 260.0))))
+    assert not list(frame_warning(adjusted_printer(ExportSettings(frame_mm=(220.0, 220.0)))))
+    assert list(frame_warning(adjusted_printer(ExportSettings(frame_mm=(260.0, 260.0)))))

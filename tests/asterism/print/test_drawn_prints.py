@@ -21,6 +21,7 @@ from asterism.print.export import export
 from asterism.print.formats.scripts import write_openscad
 from asterism.print.job import Job
 from asterism.print.needles import needles_near_edge
+from asterism.print.settings import ExportSettings
 from tests.asterism.commands import Cli
 from tests.asterism.print.jobs import job
 
@@ -77,7 +78,11 @@ def test_solids_are_closed_and_as_large_as_the_lines(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_a_straight_line_is_a_box_of_its_size(tmp_path: Path) -> None:
     line = {"draw": [{"line_mm": [(-10, 0), (10, 0)]}], "thickness_mm": 0.4}
-    export(Design.from_dict({"rods": line, "border": {"rectangle_mm": (40.0, 20.0)}}), tmp_path, border=False)
+    export(
+        Design.from_dict({"rods": line, "border": {"rectangle_mm": (40.0, 20.0)}}),
+        tmp_path,
+        ExportSettings(border=False),
+    )
     box = trimesh.load_mesh(tmp_path / "rods.stl").bounds
     np.testing.assert_allclose(box[1] - box[0], [20.0, 1.2, 0.4], atol=1e-3)
 
@@ -105,9 +110,9 @@ def test_openscad_has_the_areas_of_the_solids(tmp_path: Path) -> None:
     write_openscad(tmp_path / "rods.scad", one)
     text = (tmp_path / "rods.scad").read_text()
     assert "star" not in text
-    table = ast.literal_eval(re.search(r"rods = (\[.*?\n\]);", text, re.DOTALL)[1])  # type: ignore[index]
+    table = ast.literal_eval(re.search(r"parts = (\[.*?\n\]);", text, re.DOTALL)[1])  # type: ignore[index]
     strips = []
-    for _, start, end, points in table:
+    for _, start, end, points in (piece for rod in table for piece in rod):
         line = np.array(points)
         strips.append(shapely.LineString(line[:, :2]).buffer(line[0, 2] / 2, cap_style="flat", quad_segs=8))
         strips += [shapely.Point(line[k, :2]).buffer(line[k, 2] / 2) for k, on in ((0, start), (-1, end)) if on]
@@ -218,7 +223,7 @@ def test_a_supported_sheet_with_a_rim_has_its_needles_and_its_outline_in_space(t
     ring = {"draw": [{"name": "rim", "circle_mm": {"radius": 14.0}}], "thickness_mm": 0.55}
     pins = [{"points_mm": [(14, 0), (0, 14), (-14, 0)], "slide": "z", "scale": 0.9}]
     design = Design.from_dict({"rods": ring, "border": {"rods": "rim"}, "pins": pins, "mesh": {"edge_mm": 4.0}})
-    exported = export(design, tmp_path, simulate=True)
+    exported = export(design, tmp_path, ExportSettings(simulate=True))
     assert exported.summary.shape_change is not None and exported.summary.shape_change.star_distance_mm > 0.0
     heights = [needle.height_mm for needle in exported.job.needles]
     assert len(heights) == 3 and min(heights) == 0.0

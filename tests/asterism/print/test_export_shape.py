@@ -156,7 +156,7 @@ def test_the_preview_takes_a_law(file: Path, run: Run) -> None:
 @pytest.mark.slow
 def test_the_exact_shape_of_a_print_has_both_starts_and_lists_both_minima(tmp_path: Path) -> None:
     small = design(fabric={}, stars={"length_mm": 8.0}, border={"rings": 0}, pins=[], mesh={"edge_mm": 6.0})
-    shape, change = printed_shape(job(small), preview=False, simulate=True)
+    shape, change = printed_shape(job(small, simulate=True))
     assert shape is not None and change is not None
     (minimum,) = change.minima
     assert minimum.start_names == ["release", "preview"] and minimum.energy_n_mm == shape.summary["energy_n_mm"]

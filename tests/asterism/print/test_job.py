@@ -16,9 +16,9 @@ from asterism.pattern.design.rounding import Rounding
 from asterism.pattern.layout.build import layout
 from asterism.print.formats.needle_table import write_needle_table
 from asterism.print.job import print_cost
-from asterism.print.pieces import height_steps
 from asterism.print.printer import load_printer
 from asterism.print.rounded import better_layers, choose_rounding, size_changes, tiny_pieces
+from asterism.print.solid import height_steps
 from tests.asterism.print.jobs import design, job
 from tests.asterism.sheets import sheet
 

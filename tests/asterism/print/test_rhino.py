@@ -31,7 +31,7 @@ def dome() -> Design:
 def written(tmp_path_factory: pytest.TempPathFactory) -> tuple[Any, Path]:
     """The export of a small dome with its preview, and its folder."""
     folder = tmp_path_factory.mktemp("rhino")
-    return asterism.export(dome(), folder, preview=True, formats=["3dm"]), folder
+    return asterism.export(dome(), folder, asterism.ExportSettings(preview=True, formats=("3dm",))), folder
 
 
 def by_layer(path: Path) -> dict[str, list[Any]]:
@@ -104,7 +104,7 @@ def test_raised_needles_reach_from_the_base_to_the_sheet(tmp_path: Path) -> None
     data = dome().to_dict()
     data["pins"] = [*data["pins"], {"points_mm": [[0.0, 0.0]], "target_mm": [[0.0, 0.0, 9.0]]}]
     lifted = Design.from_dict(data)
-    exported = asterism.export(lifted, tmp_path, preview=True, formats=["3dm"])
+    exported = asterism.export(lifted, tmp_path, asterism.ExportSettings(preview=True, formats=("3dm",)))
     (line,) = by_layer(tmp_path / "model.3dm")["space::needles"]
     raised = next(needle for needle in exported.job.needles if needle.is_raised)
     foot, upper = (np.array([p.X, p.Y, p.Z]) for p in (line.Geometry.PointAtStart, line.Geometry.PointAtEnd))
@@ -117,7 +117,7 @@ def test_raised_needles_reach_from_the_base_to_the_sheet(tmp_path: Path) -> None
 @pytest.mark.slow
 def test_a_later_export_without_the_format_removes_the_file(tmp_path: Path) -> None:
     flat = Design.from_dict({"stars": {"length_mm": 8.0, "thickness_mm": 0.3}, "border": {"rings": 0}})
-    assert "model.3dm" in asterism.export(flat, tmp_path, formats=["3dm"]).files
+    assert "model.3dm" in asterism.export(flat, tmp_path, asterism.ExportSettings(formats=("3dm",))).files
     asterism.export(flat, tmp_path)
     assert not (tmp_path / "model.3dm").exists()
 
@@ -131,7 +131,7 @@ def test_without_a_shape_all_lies_in_a_plane(tmp_path: Path) -> None:
 
 def test_other_names_and_a_missing_package_are_refused(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     with pytest.raises(DesignError, match=r"--format = 'stp': must be 3dm; all other formats are always written"):
-        asterism.export(dome(), tmp_path / "out", formats=["stp"])
+        asterism.export(dome(), tmp_path / "out", asterism.ExportSettings(formats=("stp",)))
     monkeypatch.setitem(sys.modules, "rhino3dm", None)
     with pytest.raises(
         DesignError, match=r'''--format = '3dm': needs rhino3dm: pip install "asterism-fabric\[cad\]"'''

@@ -16,6 +16,7 @@ import trimesh
 
 from asterism.print.formats.scripts import write_icesl, write_openscad
 from asterism.print.job import Job
+from asterism.print.solid import Piece
 from tests.asterism.print.jobs import design, job
 
 TAPER = {"profile": "radial", "from": 0.6, "to": 0.3, "over_mm": 30.0}
@@ -69,14 +70,13 @@ def test_lua_runs_and_makes_the_stars(tapered: Job, tmp_path: Path) -> None:
 def test_the_table_of_openscad_holds_the_stars(tapered: Job, tmp_path: Path) -> None:
     write_openscad(tmp_path / "stars.scad", tapered)
     text = (tmp_path / "stars.scad").read_text()
-    table = ast.literal_eval(re.search(r"stars = (\[.*?\n\]);", text, re.DOTALL)[1])
+    table = ast.literal_eval(re.search(r"parts = (\[.*?\n\]);", text, re.DOTALL)[1])
     assert len(table) == len(tapered.plan.centres)
-    prisms = []
-    for x, y, pieces in table:
-        for angle, begin, end, wide, narrow, height in pieces:
-            flat = shapely.Polygon([(begin, -wide / 2), (end, -narrow / 2), (end, narrow / 2), (begin, wide / 2)])
-            turned = shapely.affinity.rotate(flat, angle, origin=(0, 0))
-            prisms.append((height, shapely.affinity.translate(turned, x, y)))
+    prisms = [
+        (height, Piece(0, points[:, :2], points[:, 2], height, (begin, end)).region)
+        for star in table
+        for height, begin, end, points in ((h, b == 1, e == 1, np.array(p)) for h, b, e, p in star)
+    ]
     assert volume(prisms) == pytest.approx(tapered.solids[0].volume_mm3, rel=3e-4)
 
 

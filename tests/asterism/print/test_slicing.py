@@ -17,10 +17,10 @@ import shapely
 import asterism
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.design import Design
+from asterism.print.export import write_export
 from asterism.print.formats.threemf import write_3mf
 from asterism.print.job import Job, prepare
 from asterism.print.printer import load_plastic, load_printer
-from asterism.print.write import write_export
 
 # with ASTERISM_NEEDS_SLICER = 1, a run promises the program
 SLICER = shutil.which("prusa-slicer")

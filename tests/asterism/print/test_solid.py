@@ -16,8 +16,16 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.rounding import Rounding
 from asterism.pattern.layout.build import layout
 from asterism.print.formats.stl import write_stl
-from asterism.print.pieces import border_terrace, pieces, plastic_terraces
-from asterism.print.solid import GRID_MM, Solid, Terrace, nested_terraces, terraced_solid
+from asterism.print.solid import (
+    GRID_MM,
+    Solid,
+    Terrace,
+    border_terrace,
+    nested_terraces,
+    pieces,
+    plastic_terraces,
+    terraced_solid,
+)
 from tests.asterism.print.jobs import design, job
 
 RULE = Rounding(first_layer_mm=0.2, layer_mm=0.1, line_mm=0.4)

@@ -5,13 +5,14 @@ from __future__ import annotations
 import os
 import signal
 import time
-from dataclasses import replace
+from dataclasses import asdict, replace
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from asterism.print.settings import ExportSettings
 from asterism.results.files import staged
 from asterism.studio.messages import (
     Edit,
@@ -115,14 +116,14 @@ def export(
     table: dict[str, Any],
     folder: str,
     out: str,
-    options: dict[str, Any],
+    settings: ExportSettings,
     shape: bytes | None,
 ) -> None:
     """An export of two files, one of which is elsewhere."""
     place = Path(out)
     place.mkdir()
     (place / "a.stl").write_bytes(b"solid")
-    connection.send(Written(job, options, out, ("a.stl", "../../outside.txt", "missing.stl"), ("thin arms",)))
+    connection.send(Written(job, asdict(settings), out, ("a.stl", "../../outside.txt", "missing.stl"), ("thin arms",)))
 
 
 def write_for_ever(connection: Connection, job: int, table: dict[str, Any], folder: str, out: str, pose: Any) -> None:

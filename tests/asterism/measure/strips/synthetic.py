@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from asterism.measure.strips import arc
-from asterism.measure.strips.new_strips import THICKNESSES_MM
+from asterism.measure.strips.settings import THICKNESSES_MM
 from asterism.measure.strips.strip_table import Reading
 from asterism.pattern.design.materials import Fabric, Plastic, rest_curvature
 

@@ -14,6 +14,7 @@ from asterism.homogenize.law.material import load_material
 from asterism.laws.replace_material import with_material
 from asterism.measure.strips import arc
 from asterism.measure.strips.fit_strips import fit_strips, write_material
+from asterism.measure.strips.settings import StripFitSettings
 from asterism.measure.strips.strip_table import Reading
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
@@ -221,7 +222,8 @@ def test_a_material_of_any_file_name_can_be_read(name: str, strips: Path, cli: C
 
 def test_thicknesses_that_are_nearly_one_stay_apart(tmp_path: Path) -> None:
     near = [replace(r, thickness_mm=0.300001) if r.thickness_mm == 0.35 else r for r in synthetic_readings(0)]
-    write_material(fit_strips(table(near, tmp_path / "near.csv"), kappa_bar="per-thickness"), tmp_path / "near.toml")
+    settings = StripFitSettings(kappa_bar="per-thickness")
+    write_material(fit_strips(table(near, tmp_path / "near.csv"), settings), tmp_path / "near.toml")
     text = tomllib.loads((tmp_path / "near.toml").read_text())
     assert text["plastic"]["kappa_bar_per_mm"]["thickness_mm"][:2] == [0.3, 0.300001]
 

@@ -17,11 +17,11 @@ from hypothesis import strategies as st
 from asterism.measure.strips.new_strips import (
     BED_MARGIN_MM,
     STRIP_GAP_MM,
-    THICKNESSES_MM,
-    lay_out_specimen,
+    lay_out_strips,
     layer_heights,
     new_strips,
 )
+from asterism.measure.strips.settings import THICKNESSES_MM, StripFitSettings, StripPrintSettings
 from asterism.measure.strips.strip_table import read_strips
 from asterism.pattern.design.errors import DesignError
 from tests.asterism.commands import Cli
@@ -30,7 +30,7 @@ BED = (223.0, 223.0)
 
 
 def test_four_times_ten_strips_mixed_over_the_bed() -> None:
-    strips = lay_out_specimen(BED).strips
+    strips = lay_out_strips(BED, StripPrintSettings())
     assert Counter(s.thickness_mm for s in strips) == dict.fromkeys(THICKNESSES_MM, 10)
     for h in THICKNESSES_MM:
         middle = np.mean([s.centre_mm for s in strips if s.thickness_mm == h], axis=0)
@@ -49,16 +49,17 @@ def test_strips_keep_apart_and_on_the_bed(
 ) -> None:
     thicknesses = tuple(0.3 + 0.05 * k for k in range(kinds))
     try:
-        found = lay_out_specimen(bed, thicknesses, count, length, 3.0, both)
+        settings = StripPrintSettings(thicknesses_mm=thicknesses, count=count, length_mm=length, both_directions=both)
+        found = lay_out_strips(bed, settings)
     except DesignError as error:
         assert error.field == "--count"
         return
-    kinds_on_bed = Counter((s.thickness_mm, s.direction) for s in found.strips)
+    kinds_on_bed = Counter((s.thickness_mm, s.direction) for s in found)
     directions = ("along", "across") if both else (None,)
     assert kinds_on_bed == {(h, direction): count for h in thicknesses for direction in directions}
-    for s in found.strips:
-        assert s.size_mm == ((3.0, length) if s.direction == "across" else (length, 3.0))
-    centres, halves = np.array([s.centre_mm for s in found.strips]), np.array([s.size_mm for s in found.strips]) / 2
+    for s in found:
+        assert s.size_mm == ((4.0, length) if s.direction == "across" else (length, 4.0))
+    centres, halves = np.array([s.centre_mm for s in found]), np.array([s.size_mm for s in found]) / 2
     assert (np.abs(centres) + halves <= np.array(bed) / 2 - BED_MARGIN_MM + 1e-9).all()
     gaps = np.abs(centres[:, None] - centres) - halves[:, None] - halves
     assert ((gaps >= STRIP_GAP_MM - 1e-9).any(axis=-1) | np.eye(len(centres), dtype=bool)).all()
@@ -132,7 +133,7 @@ def test_the_sheet_says_what_to_do_and_has_every_strip(folder: Path) -> None:
     assert [tuple(np.round(np.array(page.get_size()) / 72 * 25.4, 1)) for page in document] == [(210.0, 297.0)] * 2
     first, second = (page.get_textpage().get_text_range() for page in document)
     assert "13.5 cm" in first and "first layer of 0.3 mm and others of 0.05 mm" in first and "1:2" in first
-    for strip in lay_out_specimen(BED).strips:
+    for strip in lay_out_strips(BED, StripPrintSettings()):
         assert f"{strip.number}: {strip.thickness_mm:g}" in first
     words = second.split()
     assert all(str(number) in words for number in range(1, 41)) and "peeled" in words
@@ -160,23 +161,23 @@ def test_the_table_waits_to_be_filled_in(folder: Path, tmp_path: Path) -> None:
     from asterism.results.csv_cells import TableError
 
     with pytest.raises(TableError, match="no strip has been measured"):
-        read_strips(folder / "strips.csv")
+        read_strips(folder / "strips.csv", StripFitSettings())
     rows = (folder / "strips.csv").read_text().splitlines()
     assert len(rows) == 41
     rows[1] = rows[1].replace(",,,,", ",53.4,11.7,,")
     filled = tmp_path / "strips.csv"
     filled.write_text("\n".join(rows))
-    (reading,) = read_strips(filled)
+    (reading,) = read_strips(filled, StripFitSettings())
     assert (reading.strip, reading.thickness_mm, reading.stretch, reading.peeled) == ("1", 0.3, 1.35, False)
 
 
 @pytest.mark.slow
 def test_the_slicer_gets_the_layers_of_the_strips(tmp_path: Path) -> None:
     """As in print.3mf of an export: a profile with other layers or fewer walls does not change them."""
-    written = new_strips(tmp_path, count=1)
+    written = new_strips(tmp_path, StripPrintSettings(count=1))
     with zipfile.ZipFile(tmp_path / "strips.3mf") as package:
         config = ElementTree.fromstring(package.read("Metadata/Slic3r_PE_model.config"))
-    assert len(config) == len(written.specimen.strips)
+    assert len(config) == len(written.strips)
     for strip in config:
         settings = {entry.get("key"): entry.get("value") for entry in strip.iter("metadata")}
         assert float(settings["layer_height"]) == written.layers_mm[1] == 0.05

@@ -11,17 +11,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import binom
 
-from asterism.measure.strips.new_strips import THICKNESSES_MM
+from asterism.measure.strips.settings import THICKNESSES_MM, KappaBarKind, StripFitSettings, StripFormula
 from asterism.measure.strips.strip_fit import (
     FORMULAS,
-    KappaBarKind,
     StripFit,
-    StripFormula,
     UndeterminedMaterialError,
     fit_directions,
     fit_readings,
 )
 from asterism.measure.strips.strip_table import Reading
+from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.materials import Fabric, Plastic, rest_curvature
 from tests.asterism.measure.strips.synthetic import synthetic_readings
 
@@ -44,14 +43,17 @@ def exact(plastic: Plastic, stretch: float = 1.35, count: int = 3) -> list[Readi
     ]
 
 
+def fitted(readings: list[Reading], **settings: Any) -> StripFit:
+    return fit_readings(readings, StripFitSettings(**settings))
+
+
 def inside(fit: StripFit, ratio: float = PAPER) -> bool:
-    found = fit.ratio[fit.formula]
-    return found.low <= ratio <= found.high
+    return fit.found.low <= ratio <= fit.found.high
 
 
 @pytest.mark.parametrize("seed", [0, 1, 2])
 def test_the_papers_strips_give_3200(seed: int) -> None:
-    fit = fit_readings(synthetic_readings(seed))
+    fit = fitted(synthetic_readings(seed))
     found = fit.ratio["paper"]
     assert inside(fit) and not fit.warnings
     assert (found.high - found.low) / found.value < 0.12
@@ -75,7 +77,7 @@ def test_strips_without_errors_give_their_material(
     plastic = Plastic(modulus_ratio=ratio, kappa_bar_per_mm=kept, rest_curvature=formula)
     readings = exact(plastic, stretch)
     for some in (readings, [r for r in readings if not r.peeled]):
-        fit = fit_readings(some, formula)
+        fit = fitted(some, rest_curvature=formula)
         assert fit.ratio[formula].value == pytest.approx(ratio, rel=1e-6)
         assert fit.kappa_bar[None].value == pytest.approx(kept, abs=1e-8)
 
@@ -91,7 +93,7 @@ def test_strips_without_errors_give_their_material(
         pytest.param(WRONG_THICKNESSES, "constant", False, marks=pytest.mark.slow),
         # rounded to a ruler, and looking flat: errors that repeats do not average
         ({"reading_mm": 0.05, "step_mm": 0.5}, "constant", True),
-        ({"reading_mm": 0.5, "flat_mm": 0.8, "count": 4}, "constant", True),
+        ({"reading_mm": 0.5, "flat_mm": 0.5, "count": 4}, "constant", True),
     ],
 )
 def test_intervals_hold_the_truth_as_often_as_they_say(
@@ -99,11 +101,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say(
 ) -> None:
     """Fewer of 200 campaigns have a chance of 1 in 1000 at 95 %; more are too many where errors are random."""
     campaigns = [synthetic_readings(seed, Plastic(kappa_bar_per_mm=0.003), **case) for seed in range(200)]
-    flat = case.get("flat_mm", 0.5)
-    fits = [
-        fit_readings([r for r in c if is_peeled or not r.peeled], "paper", kappa_bar, flat_height_mm=flat)
-        for c in campaigns
-    ]
+    fits = [fitted([r for r in c if is_peeled or not r.peeled], kappa_bar=kappa_bar) for c in campaigns]
     least, most = binom.ppf([0.001, 0.999], len(fits), 0.95)
     assert sum(inside(fit) for fit in fits) >= least
     kept = [list(fit.kappa_bar.values())[-1] for fit in fits]
@@ -122,7 +120,7 @@ def test_strips_in_two_directions_give_both_moduli_as_often_as_their_intervals_s
     for seed in range(60):
         part = np.sqrt(np.random.default_rng(seed).uniform(1.0, 3.0))
         readings = synthetic_readings(seed, moduli=(7.0 * part, 7.0 / part), **case)
-        fits = fit_directions(readings, "paper", "constant", flat_height_mm=0.5)
+        fits = fit_directions(readings, StripFitSettings())
         truths = (PAPER / part, PAPER * part)
         held += [inside(fit, truth) for fit, truth in zip(fits, truths, strict=True)]
     assert held.min() >= binom.ppf(0.001, 60, 0.95)
@@ -132,16 +130,16 @@ def test_directions_that_do_not_determine_a_material() -> None:
     readings = synthetic_readings(0, moduli=(10.0, 5.0))
     only_along = [r for r in readings if r.peeled or r.direction == "along"]
     with pytest.raises(UndeterminedMaterialError, match=r"^strips across the grain: no strip was measured"):
-        fit_directions(only_along, "paper", "constant", flat_height_mm=0.5)
+        fit_directions(only_along, StripFitSettings())
     with pytest.raises(UndeterminedMaterialError, match=r"^strips in two directions and none peeled"):
-        fit_directions([r for r in readings if not r.peeled], "paper", "constant", flat_height_mm=0.5)
+        fit_directions([r for r in readings if not r.peeled], StripFitSettings())
 
 
 @settings(max_examples=3)
 @given(order=st.permutations(range(40)))
 def test_the_order_of_the_strips_does_not_matter(order: list[int]) -> None:
     strips = synthetic_readings(5, count=5)
-    one, other = fit_readings(strips), fit_readings([strips[i] for i in order])
+    one, other = fitted(strips), fitted([strips[i] for i in order])
     assert other.ratio["paper"] == pytest.approx(one.ratio["paper"], rel=1e-9)
 
 
@@ -149,64 +147,64 @@ def test_outliers_are_named_and_used() -> None:
     strips = synthetic_readings(2)
     wrong = {6: 0.045, 17: 0.009, 40: 0.035}
     off = [replace(r, curvature_per_mm=wrong.get(i, r.curvature_per_mm)) for i, r in enumerate(strips)]
-    fit = fit_readings(off)
+    fit = fitted(off)
     assert {one.name for one, _ in fit.outliers} == {strips[i].name for i in wrong}
     assert all(any(one.name in line and "it is used" in line for line in fit.warnings) for one, _ in fit.outliers)
     assert len(fit.used) == 80 and not fit.left_out and inside(fit)
-    width = [high - low for _, low, high in (fit_readings(strips).ratio["paper"], fit.ratio["paper"])]
+    width = [high - low for _, low, high in (fitted(strips).ratio["paper"], fit.ratio["paper"])]
     assert width[1] > 2 * width[0]
 
 
 def test_one_wrong_reading_of_few_is_named() -> None:
     strips = synthetic_readings(3, count=2)
     strips[0] = replace(strips[0], curvature_per_mm=0.06)
-    assert strips[0] in [one for one, _ in fit_readings(strips).outliers]
+    assert strips[0] in [one for one, _ in fitted(strips).outliers]
 
 
 def test_a_wrong_thickness_is_named_and_widens_the_interval() -> None:
     good = synthetic_readings(1)
-    fit = fit_readings([replace(r, thickness_mm=0.26) if r.thickness_mm == 0.3 else r for r in good])
+    fit = fitted([replace(r, thickness_mm=0.26) if r.thickness_mm == 0.3 else r for r in good])
     assert any("0.26 mm" in line and "check their thickness" in line for line in fit.warnings)
     assert inside(fit) and not fit.outliers
-    width = [high - low for _, low, high in (fit_readings(good).ratio["paper"], fit.ratio["paper"])]
+    width = [high - low for _, low, high in (fitted(good).ratio["paper"], fit.ratio["paper"])]
     assert width[1] > 3 * width[0]
 
 
 def test_a_kappa_bar_for_each_thickness() -> None:
     table = {"thickness_mm": THICKNESSES_MM, "per_mm": (0.006, 0.004, 0.002, 0.001)}
     strips = synthetic_readings(4, Plastic(kappa_bar_per_mm=table))
-    fit = fit_readings(strips, kappa_bar="per-thickness")
+    fit = fitted(strips, kappa_bar="per-thickness")
     assert inside(fit) and list(fit.kappa_bar) == list(THICKNESSES_MM) and not fit.warnings
     for value, interval in zip(table["per_mm"], fit.kappa_bar.values(), strict=True):
         assert interval.low - 1e-4 < value < interval.high + 1e-4
     kept = fit.plastic().kappa_bar_per_mm
     assert kept.per_mm == tuple(one.value for one in fit.kappa_bar.values())  # type: ignore[union-attr]
-    assert any("try --kappa-bar per-thickness" in line for line in fit_readings(strips).warnings)
+    assert any("try --kappa-bar per-thickness" in line for line in fitted(strips).warnings)
 
 
 def test_peeled_strips_that_curl_contradict_zero() -> None:
-    fit = fit_readings(synthetic_readings(4), kappa_bar="zero")
+    fit = fitted(synthetic_readings(4), kappa_bar="zero")
     assert not fit.kappa_bar and any("try --kappa-bar constant" in line for line in fit.warnings)
-    straight = fit_readings(synthetic_readings(4, Plastic()), kappa_bar="zero")
+    straight = fitted(synthetic_readings(4, Plastic()), kappa_bar="zero")
     assert inside(straight) and not straight.warnings
 
 
 def test_peeled_strips_that_look_flat_bound_kappa_bar() -> None:
     strips = [replace(r, curvature_per_mm=None) if r.peeled else r for r in synthetic_readings(0, Plastic())]
-    fit = fit_readings(strips, flat_height_mm=0.5)
+    fit = fitted(strips)
     assert fit.kappa_bar[None] == pytest.approx((0.0, -4 / 60**2, 4 / 60**2)) and inside(fit)
 
 
 def test_one_thickness_gives_an_interval_by_its_repeats() -> None:
     strips = [r for r in synthetic_readings(0) if r.thickness_mm == 0.3]
-    fit = fit_readings(strips)
+    fit = fitted(strips)
     assert inside(fit) and fit.freedom > 8
     assert any("print more thicknesses" in line for line in fit.warnings)
 
 
 def test_strips_that_hardly_bend_leave_no_upper_bound() -> None:
     strips = synthetic_readings(0, Plastic(modulus_ratio=1e5), reading_mm=0.5, count=2)
-    fit = fit_readings(strips, kappa_bar="zero")
+    fit = fitted(strips, kappa_bar="zero")
     assert np.isinf(fit.ratio["paper"].high) and any("no upper bound" in line for line in fit.warnings)
 
 
@@ -215,7 +213,7 @@ def test_only_flat_strips_leave_a_bound() -> None:
     # the thinnest strip: 88.3/ratio < 8 * 0.5 / 60^2
     bound = float(rest_curvature(0.3, Fabric(), Plastic(modulus_ratio=1.0))) / (8 * 0.5 / 60**2)
     with pytest.raises(UndeterminedMaterialError, match=f"above {bound:.0f}"):
-        fit_readings(strips)
+        fitted(strips)
 
 
 @pytest.mark.parametrize(
@@ -229,7 +227,7 @@ def test_only_flat_strips_leave_a_bound() -> None:
 )
 def test_too_little(keep, kappa_bar, problem) -> None:
     with pytest.raises(UndeterminedMaterialError, match=problem):
-        fit_readings([r for r in synthetic_readings(0) if keep(r)], kappa_bar=kappa_bar)
+        fitted([r for r in synthetic_readings(0) if keep(r)], kappa_bar=kappa_bar)
 
 
 @pytest.mark.parametrize(
@@ -248,10 +246,10 @@ def test_strips_that_no_plastic_makes_are_refused(
     given = [replace(like, thickness_mm=h, curvature_per_mm=k, peeled=bare) for h, k, bare in strips]
     peeled: KappaBarKind = "constant" if any(bare for *_, bare in strips) else "zero"
     with pytest.raises(UndeterminedMaterialError, match=r"no plastic on this fabric|no more than peeled ones"):
-        fit_readings(given, formula, peeled)
+        fitted(given, rest_curvature=formula, kappa_bar=peeled)
 
 
-@pytest.mark.parametrize("wrong", [{"formula": "stoney"}, {"kappa_bar": "none"}, {"flat_height_mm": 0.0}])
-def test_impossible_choices_are_named(wrong) -> None:
-    with pytest.raises(ValueError, match=next(iter(wrong))):
-        fit_readings(synthetic_readings(0), **wrong)
+@pytest.mark.parametrize(("field", "option"), [("rest_curvature", "--rest-curvature"), ("kappa_bar", "--kappa-bar")])
+def test_impossible_choices_are_named(field: str, option: str) -> None:
+    with pytest.raises(DesignError, match=f"{option} = 'stoney': must be (paper|constant) or "):
+        StripFitSettings(**{field: "stoney"})  # type: ignore[arg-type]

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from asterism.measure.strips import arc
+from asterism.measure.strips.settings import StripFitSettings
 from asterism.measure.strips.strip_table import STRIP_COLUMNS, Reading, read_strips
 from asterism.results.csv_cells import TableError
 
@@ -18,7 +19,7 @@ GOOD = "1,0.3,60,1.35,0.8,53.4,11.7"
 def read(tmp_path: Path, text: str | bytes, **options: object) -> list[Reading]:
     file = tmp_path / "strips.csv"
     file.write_bytes(text.encode() if isinstance(text, str) else text)
-    return read_strips(file, **options)  # type: ignore[arg-type]
+    return read_strips(file, StripFitSettings(**options))  # type: ignore[arg-type]
 
 
 def test_a_strip_with_and_without_its_fabric(tmp_path: Path) -> None:
@@ -167,7 +168,7 @@ def test_curvatures_were_not_read_with_the_ruler_of_boxes(tmp_path: Path) -> Non
 def test_files_that_are_not_there(tmp_path: Path) -> None:
     for path in (tmp_path / "none.csv", tmp_path):
         with pytest.raises(TableError, match="cannot be read"):
-            read_strips(path)
+            read_strips(path, StripFitSettings())
 
 
 def test_the_documentation_names_every_column() -> None:
