@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 from typing import Annotated, Literal, Self, TypeVar
 
-from pydantic import Field, ValidationError, field_validator, model_validator
+from pydantic import AfterValidator, Field, ValidationError, field_validator, model_validator
 
 from asterism.pattern.design.errors import DesignError, from_validation
 from asterism.pattern.design.files import own_folders, read_table
@@ -14,6 +14,14 @@ from asterism.pattern.design.rounding import Rounding
 from asterism.pattern.design.section import Line, MassDensity, Number, Point, Section, Text
 from asterism.print.settings import ExportSettings
 
+
+def _sides(size: Point) -> Point:
+    if not all(10 <= side <= 5000 for side in size):
+        raise DesignError("", "must be two sides from 10 to 5000 mm", size)
+    return size
+
+
+Sides = Annotated[Point, AfterValidator(_sides)]
 LayerHeight = Annotated[Number, Field(ge=0.05, le=2)]
 # names in braces that a start code may contain
 PLACEHOLDERS = ("z_offset_mm", "above_bed_mm", "above_fabric_mm")
@@ -50,14 +58,9 @@ class FabricFrame(Section):
     plate_mm : thickness of the plate under the fabric.
     """
 
-    size_mm: Point = (260.0, 260.0)
+    size_mm: Sides = (260.0, 260.0)
     bar_mm: Number = Field(15.0, ge=0, le=1000)
     plate_mm: Number = Field(4.0, ge=0, le=50)
-
-    @field_validator("size_mm")
-    @classmethod
-    def _has_room(cls, size: Point) -> Point:
-        return _sides(size)
 
     @model_validator(mode="after")
     def _bars_leave_an_opening(self) -> Self:
@@ -93,7 +96,7 @@ class Printer(Section):
     """
 
     name: Line = Field(min_length=1, max_length=100)
-    bed_mm: Point
+    bed_mm: Sides
     origin: Literal["corner", "centre"] = "corner"
     nozzle_mm: Number = Field(0.4, ge=0.1, le=2)
     first_layers_mm: tuple[LayerHeight, ...] = Field(min_length=1, max_length=20)
@@ -112,11 +115,6 @@ class Printer(Section):
             if height > self.nozzle_mm:
                 raise DesignError(field, f"must be at most the nozzle's {self.nozzle_mm:g} mm", height)
         return self
-
-    @field_validator("bed_mm")
-    @classmethod
-    def _has_room(cls, size: Point) -> Point:
-        return _sides(size)
 
     @field_validator("start_code")
     @classmethod
@@ -153,12 +151,6 @@ class Printer(Section):
         if released_mm is None:
             return code
         return f"; for {released_mm:.2f} mm of fabric, released: stretched it is thinner, measure it\n{code}"
-
-
-def _sides(size: Point) -> Point:
-    if not all(10 <= side <= 5000 for side in size):
-        raise DesignError("", "must be two sides from 10 to 5000 mm", size)
-    return size
 
 
 class PlasticProfile(Section):
