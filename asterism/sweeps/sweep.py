@@ -329,10 +329,12 @@ def sweep_page(sweep: Sweep) -> str:
     }
     # a text in the data must not end the script
     text = json.dumps(data, ensure_ascii=False, allow_nan=False).replace("<", "\\u003c")
+    colours = files("asterism.studio") / "page" / "colours.css"
     style, body, *scripts = (
         (page / name).read_text(encoding="utf-8")
         for name in ("sweep.css", "sweep.html", "data.js", "plot.js", "cards.js", "main.js")
     )
+    style = colours.read_text(encoding="utf-8") + style
     return (
         '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
         '<meta name="viewport" content="width=device-width, initial-scale=1">\n'

@@ -5,23 +5,16 @@ import { button, check, choice, h, replace } from "../../studio/page/dom.js";
 import { Store } from "../../studio/page/store.js";
 import { VIEWS } from "../../studio/page/view/camera.js";
 import { FIELDS } from "../../studio/page/view/colours.js";
-import { listenToView } from "../../studio/page/view/pointer.js";
+import { listenToView, turnByKey } from "../../studio/page/view/pointer.js";
 import { View } from "../../studio/page/view/view.js";
 import { Flow } from "./flow.js";
 import { Sliders } from "./sliders.js";
 import colours from "../../studio/page/colours.css";
-import dark from "../../studio/page/dark.css";
 import controls from "../../studio/page/controls.css";
 import overlays from "../../studio/page/dialogs.css";
 import widget from "./widget.css";
 
-const STYLE = [
-  colours.replaceAll(":root", ":host"),
-  dark.replaceAll(":root", ":host(.dark)"),
-  controls,
-  overlays,
-  widget,
-].join("\n");
+const STYLE = [colours.replaceAll(":root", ":host"), controls, overlays, widget].join("\n");
 
 /** What the view reads, as far as a notebook has it. */
 const VIEW_STATE = {
@@ -49,15 +42,9 @@ function isOnDark(element) {
 
 function listenToKeys(canvas, view) {
   canvas.addEventListener("keydown", (event) => {
-    const turn = { ArrowLeft: [-12, 0], ArrowRight: [12, 0], ArrowUp: [0, 12], ArrowDown: [0, -12] }[event.key];
-    if (turn) view.camera.orbit(...turn);
-    else if (event.key === "+" || event.key === "=") view.camera.zoom(1.15);
-    else if (event.key === "-") view.camera.zoom(1 / 1.15);
-    else if (event.key === "f") view.fit();
-    else return;
+    if (!turnByKey(event, view)) return;
     event.preventDefault();
     event.stopPropagation(); // the notebook has keys of its own
-    view.invalidate();
   });
 }
 
@@ -77,8 +64,8 @@ function render({ model, el }, flow) {
   const notes = h("div", { class: "notes", testid: "notes", role: "status" });
   const store = new Store({ ...VIEW_STATE });
   const theme = () => {
-    host.classList.toggle("dark", isOnDark(el));
-    store.set({ theme: host.classList.contains("dark") ? "dark" : "light" });
+    host.style.colorScheme = isOnDark(el) ? "dark" : "light";
+    store.set({ theme: host.style.colorScheme });
   };
   const themes = new MutationObserver(theme);
   for (const element of [document.documentElement, document.body]) themes.observe(element, { attributes: true });

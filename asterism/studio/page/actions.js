@@ -2,6 +2,7 @@
 
 import { isLong } from "./badge.js";
 import { borderOf } from "./border.js";
+import { isDark } from "./dom.js";
 import { askUnit, openDrawing } from "./panels/drawing.js";
 import { openExport } from "./panels/export.js";
 import { openHistory } from "./panels/history.js";
@@ -141,8 +142,7 @@ export function createActions(studio) {
       fitPlan();
     },
     switchTheme() {
-      const isDark = getComputedStyle(document.documentElement).colorScheme.trim() === "dark";
-      store.set({ theme: isDark ? "light" : "dark" });
+      store.set({ theme: isDark() ? "light" : "dark" });
     },
     upload,
     chooseDrawing: () => choose("drawing", ".svg,.dxf,.3dm", actions.takeDrawing),

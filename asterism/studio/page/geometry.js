@@ -53,6 +53,10 @@ export function nearestEdge(point, polygon) {
   return best;
 }
 
+/** The first with the least `away`, if that is less than a reach; else null. */
+export const nearest = (all, reach) =>
+  all.reduce((best, one) => (one.away < (best?.away ?? reach) ? one : best), null);
+
 export function nearestIndex(point, points) {
   let best = -1;
   let least = Infinity;
@@ -78,24 +82,15 @@ export function rayLength(start, direction, polygon) {
   return least;
 }
 
-export function area(polygon) {
-  let twice = 0;
-  for (let i = 0, j = polygon.length - 1; i < polygon.length; j = i++) {
-    twice += polygon[j][0] * polygon[i][1] - polygon[i][0] * polygon[j][1];
-  }
-  return twice / 2;
-}
-
 export function centroid(polygon) {
-  const whole = area(polygon);
-  if (Math.abs(whole) < 1e-9) return bounds(polygon).centre;
-  let [x, y] = [0, 0];
+  let [x, y, twice] = [0, 0, 0]; // moments, and the area
   for (let i = 0, j = polygon.length - 1; i < polygon.length; j = i++) {
     const cross = polygon[j][0] * polygon[i][1] - polygon[i][0] * polygon[j][1];
     x += (polygon[j][0] + polygon[i][0]) * cross;
     y += (polygon[j][1] + polygon[i][1]) * cross;
+    twice += cross;
   }
-  return [x / (6 * whole), y / (6 * whole)];
+  return Math.abs(twice) < 2e-9 ? bounds(polygon).centre : [x / (3 * twice), y / (3 * twice)];
 }
 
 /** Whether two edges of a polygon cross that are not neighbours: the server refuses such an outline. */
@@ -127,16 +122,8 @@ export const roundPoint = (point, digits = 3) => point.map((value) => round(valu
 /** Where mirrors and sixfold turns about the origin take a point, itself first, without repetitions. */
 export function images(point, { mirrorX, mirrorY, sixfold }) {
   let all = [point];
-  if (mirrorX)
-    all = all.flatMap(([x, y]) => [
-      [x, y],
-      [-x, y],
-    ]);
-  if (mirrorY)
-    all = all.flatMap(([x, y]) => [
-      [x, y],
-      [x, -y],
-    ]);
+  if (mirrorX) all = all.flatMap(([x, y]) => [[x, y], [-x, y]]);
+  if (mirrorY) all = all.flatMap(([x, y]) => [[x, y], [x, -y]]);
   if (sixfold) {
     all = all.flatMap((place) =>
       Array.from({ length: 6 }, (_, k) => {

@@ -1,10 +1,11 @@
 // All shortcuts, and the overlay that lists them.
 
-import { dialog, h, section } from "./dom.js";
+import { ARROWS, dialog, h, isDelete, section, signOf } from "./dom.js";
 import { QUANTITIES, mm } from "./format.js";
 import { difference } from "./geometry.js";
 import { announce } from "./panels/toasts.js";
 import { VIEWS } from "./view/camera.js";
+import { turnByKey } from "./view/pointer.js";
 
 const HELP = {
   Everywhere: [
@@ -50,13 +51,9 @@ const HELP = {
 const SWITCHES = { s: "snap", p: "printArea", d: "paintOnSheet" };
 
 export function openHelp() {
-  const row = ([keys, does]) => {
-    const names = keys.split(", ").map((one) => h("kbd", {}, one));
-    return h("tr", {}, h("td", {}, names), h("td", {}, does));
-  };
-  const block = ([title, rows]) =>
-    h("div", {}, section(title), h("table", { class: "small keys" }, h("tbody", {}, rows.map(row))));
-  dialog("Keys", h("div", { class: "help-columns" }, Object.entries(HELP).map(block)), { testid: "help-dialog" });
+  const row = ([keys, does]) => h("tr", h("td", keys.split(", ").map((one) => h("kbd", one))), h("td", does));
+  const block = ([title, rows]) => h("div", section(title), h("table.small.keys", h("tbody", rows.map(row))));
+  dialog("Keys", h("div.help-columns", Object.entries(HELP).map(block)), { testid: "help-dialog" });
 }
 
 /** Handles keys on the whole page. Text fields keep theirs. */
@@ -118,13 +115,9 @@ export function listenToKeys({ store, actions, plan, view, edits, tools }) {
   }
 
   function onViewKey(event) {
-    const turn = { ArrowLeft: [-12, 0], ArrowRight: [12, 0], ArrowUp: [0, 12], ArrowDown: [0, -12] }[event.key];
     const name = Object.keys(VIEWS)[Number(event.key) - 1];
-    if (turn) view.camera.orbit(...turn);
-    else if (event.key === "+" || event.key === "=") view.camera.zoom(1.15);
-    else if (event.key === "-") view.camera.zoom(1 / 1.15);
-    else if (name) view.look(name);
-    else if (event.key.toLowerCase() === "f") view.fit();
+    if (turnByKey(event, view)) return true;
+    if (name) view.look(name);
     else if (event.key.toLowerCase() === "o") store.set({ orthographic: !store.get("orthographic") });
     else return false;
     view.invalidate();
@@ -135,14 +128,14 @@ export function listenToKeys({ store, actions, plan, view, edits, tools }) {
     const sheet = store.get("sheet");
     if (!sheet) return false;
     if (tools[store.get("tool")].tool.key?.(event)) return true;
-    const step = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, 1], ArrowDown: [0, -1] }[event.key];
+    const step = ARROWS[event.key];
     if (step) return go(sheet, step);
     if (event.key === "Enter" && store.get("cursor")) {
       const selection = new Set(store.get("selection"));
       if (!selection.delete(store.get("cursor"))) selection.add(store.get("cursor"));
       store.set({ selection });
-    } else if (event.key === "+" || event.key === "=" || event.key === "-") grow(sheet, event.key === "-" ? -1 : 1);
-    else if (event.key === "Delete" || event.key === "Backspace") actions.removeSelected();
+    } else if (signOf(event)) grow(sheet, signOf(event));
+    else if (isDelete(event)) actions.removeSelected();
     else return false;
     return true;
   }

@@ -2,13 +2,12 @@
 
 import { createActions } from "./actions.js";
 import { Connection } from "./connection.js";
-import { h, refresh } from "./dom.js";
+import { DARK, h, refresh } from "./dom.js";
 import { listenToDrops } from "./drop.js";
 import { Edits } from "./edits.js";
 import { listenToKeys } from "./keys.js";
 import { listen } from "./messages.js";
-import { buildBadge } from "./panels/badge.js";
-import { buildNames, buildPlanBar, buildViewBar, buildViewNote } from "./panels/bars.js";
+import { buildBadge, buildNames, buildPlanBar, buildViewBar, buildViewNote } from "./panels/bars.js";
 import { brushPanel } from "./panels/brush.js";
 import { gradientPanel } from "./panels/gradient.js";
 import { buildInspector } from "./panels/inspector.js";
@@ -25,7 +24,7 @@ import { keepToastsAbove, toast } from "./panels/toasts.js";
 import { buildTools, buildTop } from "./panels/top.js";
 import { weightPanel } from "./panels/weight.js";
 import { PlanCanvas } from "./plan/canvas.js";
-import { tooLarge } from "./plan/print_area.js";
+import { tooLarge } from "./plan/draw.js";
 import { BrushTool } from "./plan/tools/brush.js";
 import { GradientTool } from "./plan/tools/gradient.js";
 import { NeedleTool } from "./plan/tools/needles.js";
@@ -103,19 +102,24 @@ function showHint() {
   const { hint } = studio.plan.tool;
   const fault = tooLarge(store.get("sheet"));
   refresh($("plan-note"), [hint, fault], () => [
-    fault ? h("span", { class: "strong problem", role: "status", testid: "too-large" }, fault) : null,
-    h("span", {}, hint),
+    fault ? h("span.strong.problem", { role: "status", testid: "too-large" }, fault) : null,
+    h("span", hint),
   ]);
 }
 store.on(["tool"], showTool);
 store.on(["sheet", "sizesOf"], showHint);
 showTool();
 
-const DARK_MEDIA = { auto: "(prefers-color-scheme: dark)", dark: "all", light: "not all" };
-
+// canvases get the colours of the scheme that is used
+const DRAWN = "paper ink ink-soft text muted line-strong grid grid-strong accent needle weight warn bad";
+for (const name of DRAWN.split(" "))
+  CSS.registerProperty({ name: `--${name}`, syntax: "<color>", inherits: true, initialValue: "gray" });
+const system = matchMedia(DARK);
 function showTheme() {
-  $("dark").media = DARK_MEDIA[store.get("theme")];
+  const theme = store.get("theme");
+  document.documentElement.style.colorScheme = theme === "auto" ? (system.matches ? "dark" : "light") : theme;
 }
+system.addEventListener("change", showTheme);
 store.on(["paintOnSheet"], () => studio.plan.tool?.leave?.()); // what is marked under the brush
 store.on(["theme"], showTheme);
 showTheme();
@@ -145,7 +149,7 @@ divide();
 
 addEventListener("error", (event) => toast(`The page met an error: ${event.message}`, { isBad: true }));
 
-/** State for tests and for the curious; read-only. */
+/** State for tests and for the curious, besides what is in the store; read-only. */
 const view = studio.view;
 const shown = {
   revision: () => store.get("document")?.revision ?? null,
@@ -154,8 +158,6 @@ const shown = {
   height: () => store.get("state").numbers?.height_mm ?? null,
   isSummarised: () => store.get("state").summary_revision === store.get("document")?.revision,
   engine: () => store.get("state").engine,
-  state: () => structuredClone(store.get("state")),
-  document: () => structuredClone(store.get("document")),
   connected: () => store.get("connection") === "open",
   drawn: () => view?.frames ?? 0,
   drawMs: () => view?.drawMs ?? 0,
@@ -163,9 +165,7 @@ const shown = {
   opened: () => studio.opened,
   isEditing: () => studio.edits.isOpen,
   isWaiting: () => studio.edits.isWaiting,
-  tool: () => store.get("tool"),
   selection: () => [...store.get("selection")],
-  badge: () => structuredClone(store.get("badge")),
   isBeside: () => Boolean(store.get("frame")?.hasBefore),
   isTwo: () => Boolean(view?.partner),
   contours: () => (view?.contourSurface.lineCount ?? 0) / 2,
@@ -181,11 +181,7 @@ const shown = {
   screenOf: () => (point) => studio.plan.toScreen(point),
   viewOf: () => (point) => view?.toScreen(point),
   pictureTitle: () => pictureTitle(store),
-  measured: () => store.get("measured") ?? null,
 };
-window.studio = Object.freeze(
-  Object.create(
-    null,
-    Object.fromEntries(Object.entries(shown).map(([name, get]) => [name, { get, enumerable: true }])),
-  ),
-);
+window.studio = new Proxy(Object.freeze({}), {
+  get: (_, name) => (name in shown ? shown[name]() : structuredClone(store.get(name))),
+});

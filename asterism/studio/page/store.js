@@ -31,13 +31,13 @@ export class Store {
   }
 
   /** Calls `listener` at changes of any of the keys; returns a function that stops it. */
-  on(keys, listener) {
+  on = (keys, listener) => {
     for (const key of keys) {
       if (!this.#listeners.has(key)) this.#listeners.set(key, new Set());
       this.#listeners.get(key).add(listener);
     }
     return () => keys.forEach((key) => this.#listeners.get(key).delete(listener));
-  }
+  };
 }
 
 export const NO_SYMMETRY = { mirrorX: false, mirrorY: false, sixfold: false };

@@ -17,6 +17,13 @@ export function targetsOf(table, shown) {
   return pointsOf(table, shown).map((point) => [scale * point[0] + x, scale * point[1] + y, z]);
 }
 
+/** All needles of a sheet: {table, point, at, target}, numbers and places. */
+export const needlesOf = ({ tables, pins }) =>
+  tables.flatMap((table, number) => {
+    const targets = targetsOf(table, pins[number]);
+    return pointsOf(table, pins[number]).map((at, point) => ({ table: number, point, at, target: targets[point] }));
+  });
+
 /** Whether every point of a table can be moved alone. */
 export const isPoints = (table) => Array.isArray(table.points_mm);
 

@@ -2,14 +2,13 @@
 
 import { check, dialog, h, table } from "./dom.js";
 import { QUANTITIES, fixed } from "./format.js";
-import { numberCell } from "./panels/fields.js";
-import { rebuild } from "./rebuild.js";
+import { numberCell, rebuild } from "./panels/fields.js";
 
 const MAX_ROWS = 400;
 
 export function openTable({ store, edits }) {
-  const body = h("tbody", {});
-  const note = h("p", { class: "hint" });
+  const body = h("tbody");
+  const note = h("p.hint");
   let isSelectionOnly = false;
   const filter = check({
     text: "Only selected stars",
@@ -20,23 +19,24 @@ export function openTable({ store, edits }) {
 
   function cell(star, quantity) {
     const { key, name, column } = QUANTITIES[quantity];
-    const input = numberCell({
-      value: String(Number(star.sizes[column].toFixed(3))),
-      label: `${name} of star ${star.row} in mm`,
-      testid: `star-${star.row}-${quantity}`,
-      limits: () => store.get("sheet").range(quantity, false),
-      onchange: (value) => edits.once(() => edits.sizes(quantity, new Map([[star.key, value]]))),
-    });
-    input.disabled = star.removed;
-    input.dataset.field = `stars.${key}`;
-    return h("td", {}, input);
+    return h("td", [
+      numberCell({
+        value: String(Number(star.sizes[column].toFixed(3))),
+        "aria-label": `${name} of star ${star.row} in mm`,
+        testid: `star-${star.row}-${quantity}`,
+        "data-field": `stars.${key}`,
+        disabled: star.removed,
+        limits: () => store.get("sheet").range(quantity, false),
+        onchange: (value) => edits.once(() => edits.sizes(quantity, new Map([[star.key, value]]))),
+      }),
+    ]);
   }
 
   function row(star) {
-    const tick = (label, testid, checked, onchange) => {
-      const box = h("input", { type: "checkbox", checked, "aria-label": `${label} star ${star.row}`, testid });
-      box.addEventListener("change", () => onchange(box.checked));
-      return h("td", {}, box);
+    const tick = (label, checked, onchange) => {
+      const testid = `${label.toLowerCase()}-${star.row}`;
+      const props = { type: "checkbox", checked, "aria-label": `${label} star ${star.row}`, testid };
+      return h("td", h("input", { ...props, onchange: ({ target }) => onchange(target.checked) }));
     };
     const isSelected = store.get("selection").has(star.key);
     const select = (isChosen) => {
@@ -45,17 +45,12 @@ export function openTable({ store, edits }) {
       store.set({ selection });
     };
     const print = (isPrinted) => edits.once(() => edits[isPrinted ? "restore" : "remove"]([star.key]));
-    return h(
-      "tr",
-      { "aria-selected": String(isSelected) },
-      tick("Select", `select-${star.row}`, isSelected, select),
-      h("td", {}, star.row),
-      h("td", {}, `${star.site[0]}, ${star.site[1]}`),
-      h("td", {}, fixed(star.at[0])),
-      h("td", {}, fixed(star.at[1])),
+    return h("tr", { "aria-selected": String(isSelected) }, [
+      tick("Select", isSelected, select),
+      [star.row, star.site.join(", "), fixed(star.at[0]), fixed(star.at[1])].map((said) => h("td", String(said))),
       Object.keys(QUANTITIES).map((quantity) => cell(star, quantity)),
-      tick("Print", `print-${star.row}`, !star.removed, print),
-    );
+      tick("Print", !star.removed, print),
+    ]);
   }
 
   function fill() {
@@ -72,10 +67,7 @@ export function openTable({ store, edits }) {
   const stop = store.on(["sheet", "selection"], fill);
   dialog(
     "Stars",
-    [
-      h("div", { class: "row" }, h("span", { class: "grow" }, note), filter.element),
-      table({ class: "small", testid: "star-table" }, heads, body),
-    ],
+    [h("div.row", h("span.grow", note), filter), table({ testid: "star-table" }, heads, body)],
     { testid: "table-dialog", onclose: stop },
   );
   fill();

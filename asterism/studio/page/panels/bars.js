@@ -1,121 +1,158 @@
-// The bars above plan and view.
+// The bars above plan and view, and what stands in the picture: its state, names of two shapes, a note below.
 
-import { button, choice, h, refresh } from "../dom.js";
+import { MEANINGS, activityOf, dotOf } from "../badge.js";
+import { append, bound, button, choice, follow, h, refresh, segments, show } from "../dom.js";
 import { QUANTITY_NAMES, mm } from "../format.js";
 import { VIEWS } from "../view/camera.js";
 import { FIELDS } from "../view/colours.js";
 import { openPicture } from "./picture.js";
 
 function toggle(store, key, rest) {
-  const one = button({ ...rest, pressed: store.get(key), onclick: () => store.set({ [key]: !store.get(key) }) });
-  store.on([key], () => one.setAttribute("aria-pressed", String(store.get(key))));
-  return one;
+  const { value: pressed, onchange } = bound(store, key);
+  return button({ ...rest, pressed, onclick: () => onchange(!pressed()) });
 }
 
 export function buildPlanBar(element, { store, plan }) {
-  const colour = choice({
-    label: "Colour of the pattern",
-    testid: "plan-colour",
-    options: {
-      none: "Plain pattern",
-      ...Object.fromEntries(Object.entries(QUANTITY_NAMES).map(([value, name]) => [value, `By ${name.toLowerCase()}`])),
-    },
-    value: store.get("planColour"),
-    onchange: (value) => store.set({ planColour: value }),
-  });
-  store.on(["planColour"], ({ planColour }) => colour.set(planColour)); // the brush chooses it, too
-  element.append(
-    colour.element,
-    h("span", { class: "gap" }),
-    toggle(store, "snap", {
-      icon: "snap",
-      label: "Snap to corners, stars and millimetres",
-      keys: "S",
-      testid: "snap",
-    }),
-    toggle(store, "grid", { icon: "grid", label: "Millimetre grid", testid: "grid" }),
-    toggle(store, "printArea", {
-      icon: "printer",
-      label: "Frame and printable area",
-      keys: "P",
-      testid: "plan-print-area",
-    }),
-    button({ icon: "fit", label: "Fit the plan", keys: "F", testid: "fit-plan", onclick: () => plan.fit() }),
+  const colours = Object.entries(QUANTITY_NAMES).map(([value, name]) => [value, `By ${name.toLowerCase()}`]);
+  append(
+    element,
+    follow(store.on, ["planColour", "snap", "grid", "printArea"], [
+      choice({
+        label: "Colour of the pattern",
+        testid: "plan-colour",
+        options: { none: "Plain pattern", ...Object.fromEntries(colours) },
+        ...bound(store, "planColour"), // the brush chooses it, too
+      }),
+      h("span.gap"),
+      toggle(store, "snap", {
+        icon: "snap",
+        label: "Snap to corners, stars and millimetres",
+        keys: "S",
+        testid: "snap",
+      }),
+      toggle(store, "grid", { icon: "grid", label: "Millimetre grid", testid: "grid" }),
+      toggle(store, "printArea", {
+        icon: "printer",
+        label: "Frame and printable area",
+        keys: "P",
+        testid: "plan-print-area",
+      }),
+      button({ icon: "fit", label: "Fit the plan", keys: "F", testid: "fit-plan", onclick: () => plan.fit() }),
+    ]),
   );
 }
 
 export function buildViewBar(element, studio) {
   const { store, view } = studio;
-  const colour = choice({
-    label: "Colours of the sheet",
-    testid: "view-colour",
-    options: Object.entries(FIELDS)
-      .filter(([value]) => value !== "distance") // the badge shows that
-      .map(([value, { name }]) => ({ value, text: value === "none" ? "Plain sheet" : name })),
-    value: store.get("viewColour"),
-    onchange: (value) => store.set({ viewColour: value }),
-  });
-  const target = colour.element.querySelector('[value="target"]');
-  const update = () => {
-    const hasTarget = Boolean(store.get("state").target);
-    const isCompared = Boolean(store.get("frame")?.hasBefore) && store.get("shown") === "distance";
-    colour.element.disabled = isCompared;
-    colour.element.title = isCompared ? "The colours show the distance to the preview" : "Colours of the sheet";
-    target.disabled = !hasTarget;
-    target.textContent = hasTarget ? "To the target" : "To the target (load one first)";
-    if (!hasTarget && store.get("connection") === "open" && store.get("viewColour") === "target")
-      store.set({ viewColour: "none" });
-  };
-  store.on(["frame", "shown", "state"], update);
-  store.on(["viewColour"], ({ viewColour }) => colour.set(viewColour));
-  update();
-  const toggles = [
-    toggle(store, "paintOnSheet", {
-      icon: "brush",
-      label: "Paint on the sheet; drag beside it to turn",
-      keys: "D",
-      testid: "paint-on-sheet",
-    }),
-    toggle(store, "orthographic", { icon: "ortho", label: "Orthographic", keys: "O", testid: "ortho" }),
-    toggle(store, "showArms", { icon: "arms", label: "Arms", testid: "show-arms" }),
-    toggle(store, "showBumps", { icon: "bumps", label: "Bumps", testid: "show-bumps" }),
-  ];
-  element.append(
-    colour.element,
-    h("span", { class: "gap" }),
-    viewMenu({ store, view }),
-    h("span", { class: "roomy" }, toggles),
-    button({ icon: "fit", label: "Fit the view", keys: "F", testid: "fit-view", onclick: () => view.fit() }),
-    button({ icon: "camera", label: "Save a picture", testid: "picture", onclick: () => openPicture(studio) }),
+  const hasTarget = () => Boolean(store.get("state").target);
+  const isCompared = () => Boolean(store.get("frame")?.hasBefore) && store.get("shown") === "distance";
+  const fields = Object.entries(FIELDS).filter(([value]) => value !== "distance"); // the badge shows that
+  const names = { none: () => "Plain sheet", target: () => `To the target${hasTarget() ? "" : " (load one first)"}` };
+  const options = () =>
+    fields.map(([value, { name }]) => ({
+      value,
+      text: names[value]?.() ?? name,
+      disabled: value === "target" && !hasTarget(),
+    }));
+  append(
+    element,
+    follow(store.on, ["frame", "shown", "state", "viewColour", ...Object.keys(SHOWN_PARTS)], [
+      choice({
+        label: "Colours of the sheet",
+        testid: "view-colour",
+        options,
+        ...bound(store, "viewColour"),
+        disabled: isCompared,
+        title: () => (isCompared() ? "The colours show the distance to the preview" : "Colours of the sheet"),
+      }),
+      h("span.gap"),
+      viewMenu(studio),
+      h("span.roomy", [
+        toggle(store, "paintOnSheet", {
+          icon: "brush",
+          label: "Paint on the sheet; drag beside it to turn",
+          keys: "D",
+          testid: "paint-on-sheet",
+        }),
+        toggle(store, "orthographic", { icon: "ortho", label: "Orthographic", keys: "O", testid: "ortho" }),
+        toggle(store, "showArms", { icon: "arms", label: "Arms", testid: "show-arms" }),
+        toggle(store, "showBumps", { icon: "bumps", label: "Bumps", testid: "show-bumps" }),
+      ]),
+      button({ icon: "fit", label: "Fit the view", keys: "F", testid: "fit-view", onclick: () => view.fit() }),
+      button({ icon: "camera", label: "Save a picture", testid: "picture", onclick: () => openPicture(studio) }),
+    ]),
   );
+  store.on(["state"], () => {
+    const isLost = !hasTarget() && store.get("connection") === "open" && store.get("viewColour") === "target";
+    if (isLost) store.set({ viewColour: "none" });
+  });
 }
 
 const SHOWN_PARTS = { paintOnSheet: "Paint on the sheet", orthographic: "Orthographic", showArms: "Arms", showBumps: "Bumps" };
 
 /** Named views, and the parts of the picture, whose buttons a narrow bar has no room for. */
 function viewMenu({ store, view }) {
-  const parts = Object.keys(SHOWN_PARTS).map((value) => h("option", { value }));
-  const menu = h(
-    "select",
-    { class: "short", "aria-label": "View", title: "Named view (1 to 7), shown parts", testid: "named-view" },
-    h("option", { value: "" }, "View"),
-    h(
-      "optgroup",
-      { label: "Look from" },
-      Object.entries(VIEWS).map(([value, { name }], k) => h("option", { value }, `${name} (${k + 1})`)),
-    ),
-    h("optgroup", { label: "Show" }, parts),
+  const named = Object.entries(VIEWS).map(([value, { name }], k) => h("option", { value }, `${name} (${k + 1})`));
+  const parts = Object.entries(SHOWN_PARTS).map(([value, name]) =>
+    h("option", { value }, () => (store.get(value) ? `✓ ${name}` : name)),
   );
-  menu.addEventListener("change", () => {
-    if (menu.value in SHOWN_PARTS) store.set({ [menu.value]: !store.get(menu.value) });
-    else view.look(menu.value);
-    menu.value = "";
+  const onchange = ({ target }) => {
+    if (target.value in SHOWN_PARTS) store.set({ [target.value]: !store.get(target.value) });
+    else view.look(target.value);
+    target.value = "";
+  };
+  const title = "Named view (1 to 7), shown parts";
+  return h("select.short", { "aria-label": "View", title, testid: "named-view", onchange }, [
+    h("option", { value: "" }, "View"),
+    h("optgroup", { label: "Look from" }, named),
+    h("optgroup", { label: "Show" }, parts),
+  ]);
+}
+
+/** The badge in the picture: the state of the shape, and what is shown of an exact shape and its preview. */
+export function buildBadge(element, { store, connection, actions }) {
+  const state = h("div.state", { role: "status", testid: "badge" });
+  const shown = segments({
+    label: "Shown shape",
+    testid: "shown",
+    options: {
+      shape: "Exact",
+      preview: "Preview",
+      distance: { text: "Distance", title: "Distance of the exact shape from the preview" },
+    },
+    ...bound(store, "shown"),
+    hidden: () => !store.get("frame")?.hasBefore,
   });
-  const update = () =>
-    parts.forEach((part) => (part.textContent = `${store.get(part.value) ? "✓ " : ""}${SHOWN_PARTS[part.value]}`));
-  store.on(Object.keys(SHOWN_PARTS), update);
+  append(element, [state, shown]);
+  const update = () => {
+    const badge = store.get("badge");
+    const { settling, settle_s: waits, release } = store.get("state");
+    element.hidden = !store.get("document");
+    const takesOther = release?.is_same === false && !release.is_shown;
+    const hadFocus = state.contains(document.activeElement);
+    refresh(state, [badge, settling, waits, takesOther], () => [
+      h("i", { className: `dot ${dotOf(badge, settling)}`, "aria-hidden": "true" }),
+      h("b", { title: MEANINGS[badge.kind], testid: "badge-words" }, badge.words),
+      settling && h("span.muted", activityOf({ state: { settling }, document: true })),
+      waits &&
+        button({
+          text: `Exact shape, about ${Math.ceil(waits)} s`,
+          testid: "settle",
+          onclick: () => connection.send("settle"),
+        }),
+      takesOther &&
+        button({
+          text: "A print takes another form",
+          testid: "show-released",
+          onclick: () => actions.showExactForm(true),
+        }),
+    ]);
+    show(shown);
+    // a button that is taken away hands the keyboard on
+    if (hadFocus && !state.contains(document.activeElement)) shown.element.querySelector("[tabindex='0']")?.focus();
+  };
+  store.on(["badge", "state", "frame", "shown", "document"], update);
   update();
-  return menu;
 }
 
 /** What two shapes side by side are. */
@@ -124,14 +161,13 @@ export function buildNames(element, { store }) {
     const beside = store.get("beside");
     const height = store.get("state").numbers.height_mm ?? store.get("frame")?.height_mm;
     element.hidden = !beside;
+    const onclick = () => store.set({ beside: null });
     refresh(element, [beside, height], () => [
-      h("span", {}, `Now, ${mm(height)}`),
-      h(
-        "span",
-        { testid: "beside-name" },
-        h("i", {}, beside?.name),
-        button({ icon: "close", label: "One shape", kind: "plain", testid: "beside-close", onclick: () => store.set({ beside: null }) }),
-      ),
+      h("span", `Now, ${mm(height)}`),
+      h("span", { testid: "beside-name" }, [
+        h("i", beside?.name ?? ""),
+        button({ icon: "close", label: "One shape", kind: "plain", testid: "beside-close", onclick }),
+      ]),
     ]);
   };
   store.on(["beside", "state", "frame"], update);
@@ -142,22 +178,23 @@ const WITHOUT_VIEW =
 
 /** One line below the view: why there is no picture, or why a shape cannot be computed. */
 export function buildViewNote(element, { store, actions, view }) {
+  function noteOf(problem) {
+    const isInMaterial = /^(fabric|plastic)\./.test(problem.field ?? "");
+    const text = `${problem.text.replace(/\.?$/, ".")} The last good shape is shown.`;
+    return h("span.strong.problem", { role: "alert" }, [
+      h("span", text),
+      problem.stars?.length || problem.at_mm
+        ? button({ text: "Show the place", onclick: () => actions.showPlace(problem) })
+        : isInMaterial &&
+          button({ text: "Show the value", testid: "show-value", onclick: () => actions.showPage("sheet") }),
+    ]);
+  }
   const update = () => {
-    const { problem } = store.get("state");
-    const parts = [];
-    if (!view) parts.push(h("span", { class: "strong", role: "alert", testid: "no-view" }, WITHOUT_VIEW));
-    if (store.get("document") && problem) {
-      const isInMaterial = /^(fabric|plastic)\./.test(problem.field ?? "");
-      const place =
-        problem.stars?.length || problem.at_mm
-          ? button({ text: "Show the place", onclick: () => actions.showPlace(problem) })
-          : isInMaterial
-            ? button({ text: "Show the value", testid: "show-value", onclick: () => actions.showPage("sheet") })
-            : null;
-      const text = `${problem.text.replace(/\.?$/, ".")} The last good shape is shown.`;
-      parts.push(h("span", { class: "strong problem", role: "alert" }, h("span", {}, text), place));
-    }
-    refresh(element, [problem, Boolean(store.get("document"))], () => parts);
+    const problem = store.get("document") && store.get("state").problem;
+    refresh(element, problem ?? null, () => [
+      view ? null : h("span.strong", { role: "alert", testid: "no-view" }, WITHOUT_VIEW),
+      problem ? noteOf(problem) : null,
+    ]);
   };
   store.on(["state", "document"], update);
   update();

@@ -1,7 +1,8 @@
 // Panel of the brush.
 
-import { check, h, hint, section, segments } from "../dom.js";
+import { bound, check, follow, h, hint, section, segments } from "../dom.js";
 import { QUANTITIES, QUANTITY_NAMES } from "../format.js";
+import { clamp } from "../geometry.js";
 import { RADII, brushOn, namesWithOwn } from "../sheet.js";
 import { numberField } from "./fields.js";
 
@@ -25,110 +26,93 @@ const MODES = {
   },
 };
 
+/** Unit and factor of the numbers that both brushes have. */
+const NUMBERS = {
+  radius: { step: 0.5, min: RADII[0], max: RADII[1] },
+  strength: { unit: "%", min: 1, max: 100, step: 1, factor: 100 },
+};
+
 /**
- * What the panels of both brushes have: `change(patch)` of its `setting` in the store, `says` about the mode, and
- * `field(label, key, options, factor)`, a number of the brush; `update` shows the brush as it is.
+ * What the panels of both brushes have: `change(patch)` of its `setting` in the store, `mode`, what it `says`, and
+ * `field(label, key, options)`, a number of the brush.
  */
 export function brushParts({ store }, { setting, modes, prefix = "" }) {
   const brush = () => brushOn(store.get("sheet"), store.get(setting));
   const change = (patch) => store.set({ [setting]: { ...store.get(setting), ...patch } });
-  const mode = segments({
-    label: "Brush mode",
-    testid: `${prefix}mode`,
-    options: modes,
-    value: brush().mode,
-    onchange: (value) => change({ mode: value }),
-  });
-  const field = (label, key, options, factor = 1) =>
-    numberField({
-      label,
-      value: factor * brush()[key],
-      slider: true,
-      testid: prefix + key,
-      onchange: (value) => change({ [key]: value / factor }),
-      ...options,
-    });
-  const radius = field("Radius", "radius", { step: 0.5, min: RADII[0], max: RADII[1] });
-  const strength = field("Strength", "strength", { unit: "%", min: 1, max: 100, step: 1 }, 100);
-  const says = hint("");
-  function update() {
-    const now = brush();
-    says.textContent = modes[now.mode].says;
-    mode.set(now.mode);
-    radius.set(now.radius);
-    strength.set(Math.round(100 * now.strength));
-  }
-  return { brush, change, mode, says, field, radius, strength, update };
+  const options = { label: "Brush mode", testid: `${prefix}mode`, options: modes };
+  const mode = segments({ ...options, ...bound(store, setting, "mode") });
+  const field = (label, key, more = {}) => {
+    const { factor = 1, ...rest } = { ...NUMBERS[key], ...more };
+    const value = () => Number((factor * brush()[key]).toFixed(4));
+    const onchange = (typed) => change({ [key]: typed / factor });
+    return numberField({ label, slider: true, testid: prefix + key, value, onchange, ...rest });
+  };
+  return { brush, change, mode, says: hint(() => modes[brush().mode].says), field };
 }
 
-export function brushPanel({ store }, { on }) {
-  const parts = brushParts({ store }, { setting: "brush", modes: MODES });
-  const { brush, change, mode, says, field, radius, strength } = parts;
-  const quantity = segments({
-    label: "Size to paint",
-    testid: "quantity",
-    options: QUANTITY_NAMES,
-    value: brush().quantity,
-    onchange: (value) => change(valuesFor(store.get("sheet"), value)),
-  });
-  const target = field("Target", "target", { step: 0.1, digits: 2 });
-  const amount = field("Amount", "amount", { min: -5, max: 5, step: 0.05, digits: 2 });
-  const inLaw = check({
-    text: "Stay within the calibrated range",
-    value: store.get("inLaw"),
-    testid: "in-law",
-    onchange: (value) => store.set({ inLaw: value }),
-  });
-  const range = hint("");
-  const own = hint("");
-
-  function update() {
-    const isOfRods = Boolean(store.get("sheet")?.isOfRods);
-    for (const name of ["quantity-length", "mode-erase", "mode-remove"]) {
-      for (const one of [quantity, mode]) one.element.querySelector(`[data-testid='${name}']`)?.toggleAttribute("hidden", isOfRods);
-    }
-    const { quantity: name, mode: way, target: wanted, amount: more } = brush();
-    const sheet = store.get("sheet");
-    const [low, high] = sheet?.range(name, store.get("inLaw")) ?? [0, 20];
-    parts.update();
-    const printable = sheet?.printable(name);
-    const most = isOfRods ? Math.min(high, QUANTITIES[name].usual) : high;
-    target.limits(low, most);
-    target.set(Math.min(Math.max(wanted, low), most));
-    amount.limits(-10 * QUANTITIES[name].step, 10 * QUANTITIES[name].step);
-    amount.set(more);
-    quantity.set(name);
-    target.element.hidden = way !== "set";
-    amount.element.hidden = way !== "add";
-    strength.element.hidden = way === "erase" || way === "remove";
-    quantity.element.hidden = way === "erase" || way === "remove";
-    range.hidden = quantity.element.hidden;
-    inLaw.element.hidden = range.hidden || isOfRods; // cells of rods are solved for the sizes that are painted
-    const text = `${plainly(low)} to ${plainly(high)} mm`;
-    range.textContent = `${store.get("inLaw") && !isOfRods ? "Calibrated" : "Allowed"}: ${text}.${printable ? ` Printable: steps of ${plainly(printable.step)} mm.` : ""}`;
+export function brushPanel(studio, { on }) {
+  const { store } = studio;
+  const sheet = () => store.get("sheet");
+  const isOfRods = () => Boolean(sheet()?.isOfRods);
+  const modes = { ...MODES };
+  for (const name of ["erase", "remove"]) modes[name] = { ...MODES[name], hidden: isOfRods };
+  const { brush, change, mode, says, field } = brushParts(studio, { setting: "brush", modes });
+  const isEven = () => ["erase", "remove"].includes(brush().mode);
+  /** What the brush may paint; sliders of rods end at usual sizes. */
+  const range = () => sheet()?.range(brush().quantity, store.get("inLaw")) ?? [0, 20];
+  const shown = () => [range()[0], isOfRods() ? Math.min(range()[1], QUANTITIES[brush().quantity].usual) : range()[1]];
+  const steps = () => 10 * QUANTITIES[brush().quantity].step;
+  function rangeText() {
+    const printable = sheet()?.printable(brush().quantity);
+    const kind = store.get("inLaw") && !isOfRods() ? "Calibrated" : "Allowed";
+    const said = `${kind}: ${range().map(plainly).join(" to ")} mm.`;
+    return printable ? `${said} Printable: steps of ${plainly(printable.step)} mm.` : said;
   }
-  function tellOwn() {
-    const { key, name } = QUANTITIES[brush().quantity];
-    const sheet = store.get("sheet");
-    own.hidden = !sheet?.isOfRods || !namesWithOwn(sheet.design, key).size;
-    own.textContent = `Lines with a ${name.toLowerCase()} of their own keep it. The tool Sizes changes it.`;
-  }
-  on(["brush", "inLaw", "sheet"], update);
-  on(["brush", "document"], tellOwn); // not at each dab
-  update();
-  tellOwn();
+  const length = { text: QUANTITY_NAMES.length, hidden: isOfRods };
+  const name = () => QUANTITIES[brush().quantity].name.toLowerCase();
+  const own = () => isOfRods() && namesWithOwn(sheet().design, QUANTITIES[brush().quantity].key).size > 0;
   return [
-    mode.element,
-    says,
-    quantity.element,
-    target.element,
-    amount.element,
-    radius.element,
-    strength.element,
-    inLaw.element,
-    range,
-    own,
-    ...symmetry({ store }, { on }),
+    follow(on, ["brush", "inLaw", "sheet"], [
+      mode,
+      says,
+      segments({
+        label: "Size to paint",
+        testid: "quantity",
+        options: { ...QUANTITY_NAMES, length },
+        value: () => brush().quantity,
+        onchange: (value) => change(valuesFor(sheet(), value)),
+        hidden: isEven,
+      }),
+      field("Target", "target", {
+        step: 0.1,
+        digits: 2,
+        limits: shown,
+        value: () => clamp(brush().target, ...shown()),
+        hidden: () => brush().mode !== "set",
+      }),
+      field("Amount", "amount", {
+        step: 0.05,
+        digits: 2,
+        limits: () => [-steps(), steps()],
+        hidden: () => brush().mode !== "add",
+      }),
+      field("Radius", "radius"),
+      field("Strength", "strength", { hidden: isEven }),
+      check({
+        text: "Stay within the calibrated range",
+        testid: "in-law",
+        ...bound(store, "inLaw"),
+        hidden: () => isEven() || isOfRods(), // cells of rods are solved for the sizes that are painted
+      }),
+      hint(rangeText, { hidden: isEven }),
+    ]),
+    // not at each dab
+    follow(on, ["brush", "document"], [
+      hint(() => `Lines with a ${name()} of their own keep it. The tool Sizes changes it.`, {
+        hidden: () => !own(),
+      }),
+    ]),
+    symmetry(studio, { on }),
   ];
 }
 
@@ -152,17 +136,10 @@ export function fitBrushToRods(store) {
 
 /** Mirrors and sixfold symmetry while painting. */
 export function symmetry({ store }, { on }) {
-  const boxes = Object.entries({ mirrorX: "Left–right", mirrorY: "Top–bottom", sixfold: "Sixfold" }).map(([key, text]) => {
-    const box = check({
-      text,
-      value: store.get("symmetry")[key],
-      testid: key,
-      onchange: (value) => store.set({ symmetry: { ...store.get("symmetry"), [key]: value } }),
-    });
-    on(["symmetry"], ({ symmetry }) => box.set(symmetry[key]));
-    return box;
-  });
-  return [section("Symmetry"), h("div", { class: "row wrap" }, boxes.map((one) => one.element))];
+  const names = { mirrorX: "Left–right", mirrorY: "Top–bottom", sixfold: "Sixfold" };
+  const box = ([key, text]) => check({ text, testid: key, ...bound(store, "symmetry", key) });
+  const boxes = Object.entries(names).map(box);
+  return [section("Symmetry"), h("div.row.wrap", follow(on, ["symmetry"], boxes))];
 }
 
 const plainly = (value) => String(Number(value.toFixed(3)));

@@ -1,9 +1,9 @@
 // The dialog that lays a drawing on the sheet: each layer becomes rods, the outline, both, or is left out.
 
-import { button, check, choice, dialog, h, hint, labelled, segments, table } from "../dom.js";
+import { button, check, choice, colourOf, dialog, h, hint, labelled, segments, show, table } from "../dom.js";
 import { fixed, plural, size } from "../format.js";
-import { pictureOf } from "./drawing_picture.js";
 import { numberField } from "./fields.js";
+import { smallPlan } from "./small_plan.js";
 import { toast } from "./toasts.js";
 
 const OUTLINE_NAMES = /outline|border|contour|boundary|sheet|cut\b|umriss|rand\b/i;
@@ -17,31 +17,25 @@ export function askUnit(name, units, answer) {
   const chosen = choice({
     label: "Unit of the drawing",
     testid: "drawing-unit",
-    options: Object.fromEntries(units.map((value) => [value, UNIT_NAMES[value] ?? value])),
+    options: units.map((value) => ({ value, text: UNIT_NAMES[value] ?? value })),
     value: unit,
     onchange: (value) => (unit = value),
   });
+  const go = () => (element.close(), answer(unit));
   const element = dialog(
     `Unit of ${name}`,
-    h(
-      "div",
-      { class: "export" },
+    h("div.export", [
       hint("The file does not say in which unit it is drawn."),
       labelled("One unit of the drawing is", chosen),
-      h(
-        "div",
-        { class: "row" },
-        button({ text: "Go on", kind: "primary", testid: "drawing-unit-go", onclick: () => (element.close(), answer(unit)) }),
-      ),
-    ),
+      h("div.row", button({ text: "Go on", kind: "primary", testid: "drawing-unit-go", onclick: go })),
+    ]),
     { testid: "unit-dialog" },
   );
 }
 
 /** `drawing`: the answer of the server to an upload. */
 export function openDrawing({ store, edits, actions }, drawing) {
-  const { design, box } = store.get("sheet");
-  const limits = store.get("sheet").limits.design;
+  const { design, box, limits } = store.get("sheet");
   const pattern = design.rods ?? design.stars ?? {};
   const presentOf = (key, otherwise) => (typeof pattern[key] === "number" ? pattern[key] : otherwise);
   const layers = drawing.layers.map((layer) => ({
@@ -50,116 +44,91 @@ export function openDrawing({ store, edits, actions }, drawing) {
     thickness: presentOf("thickness_mm", 0.3),
     width: layer.widths_mm?.[0] >= MIN_STROKE_MM ? layer.widths_mm[1] : presentOf("width_mm", 1.2),
   }));
-  const fits = drawing.size_mm.every((extent, axis) => extent <= box.size[axis]);
-  const chosen = { strokes: false, keep: false, sheet: fits ? "kept" : "around", origin: "middle" };
   const of = (...uses) => layers.filter(({ use }) => uses.includes(use));
-  const hasStrokes = () => of("rods", "both").length > 0 && of("rods", "both").every(({ widths_mm: widths }) => widths);
-  chosen.strokes = hasStrokes() && of("rods", "both").every(({ widths_mm: widths }) => widths[0] >= MIN_STROKE_MM);
+  const hasRods = () => of("rods", "both").length > 0;
+  const hasStrokes = () => hasRods() && of("rods", "both").every(({ widths_mm: widths }) => widths);
+  const fits = drawing.size_mm.every((extent, axis) => extent <= box.size[axis]);
+  const chosen = {
+    strokes: hasStrokes() && of("rods", "both").every(({ widths_mm: widths }) => widths[0] >= MIN_STROKE_MM),
+    keep: false,
+    sheet: fits ? "kept" : "around",
+    origin: "middle",
+  };
+  /** Value and change of a control that is about one of the choices. */
+  const about = (key) => ({ value: chosen[key], onchange: (value) => ((chosen[key] = value), update()) });
 
-  const picture = h("canvas", { width: 560, height: 360, class: "drawing-picture", role: "img", testid: "drawing-picture" });
+  const picture = h("canvas.drawing-picture", { width: 560, height: 360, role: "img", testid: "drawing-picture" });
   picture.setAttribute("aria-label", `The drawing, ${size(drawing.size_mm)}`);
-  const cell = (layer, key, label) =>
-    numberField({
-      label: `${label} of ${layer.name}`,
-      value: layer[key],
-      min: limits[`${key}_mm`][0],
-      max: limits[`${key}_mm`][1],
-      step: key === "width" ? 0.1 : 0.05,
-      digits: 2,
-      testid: `drawing-${key}-${layer.name}`,
-      onchange: (value) => (layer[key] = value),
-    });
-  const rows = layers.map((layer) => {
-    const uses = {
-      rods: "Rods",
-      outline: { text: "Outline and holes", disabled: !layer.has_rings },
-      both: { text: "Rods and outline", disabled: !layer.is_one_ring },
-      none: "Left out",
-    };
+
+  function row(layer) {
+    const isOfRods = () => ["rods", "both"].includes(layer.use);
+    const isAsDrawn = () => chosen.strokes && hasStrokes();
+    const cell = (key, label, step, hidden) =>
+      numberField({
+        label: `${label} of ${layer.name}`,
+        value: layer[key],
+        min: limits.design[`${key}_mm`][0],
+        max: limits.design[`${key}_mm`][1],
+        step,
+        digits: 2,
+        testid: `drawing-${key}-${layer.name}`,
+        hidden,
+        onchange: (value) => (layer[key] = value),
+      });
     const use = choice({
       label: `Use of ${layer.name}`,
       testid: `drawing-use-${layer.name}`,
-      options: uses,
-      value: layer.use,
+      options: {
+        rods: "Rods",
+        outline: { text: "Outline and holes", disabled: !layer.has_rings },
+        both: { text: "Rods and outline", disabled: !layer.is_one_ring },
+        none: "Left out",
+      },
+      value: () => layer.use,
       onchange: (value) => {
         layer.use = value;
-        for (const other of layers) // one line is the outline
-          if (other !== layer && (value === "both" || value === "outline") && other.use === "both") {
-            other.use = "rods";
-            rows[layers.indexOf(other)].use.set("rods");
-          }
-        show();
+        // one line is the outline
+        if (value === "both" || value === "outline")
+          for (const other of of("both")) if (other !== layer) other.use = "rods";
+        update();
       },
     });
-    const [thickness, width] = [cell(layer, "thickness", "Thickness"), cell(layer, "width", "Width")];
-    const drawn = h("span", { class: "muted" }, "As drawn");
-    const about = `${plural(layer.count, "line")}${layer.widths_mm ? `, ${widthText(layer.widths_mm)}` : ""}`;
-    const element = h(
-      "tr",
-      {},
-      h("th", { scope: "row" }, h("span", { title: layer.name }, layer.name), h("span", { class: "muted" }, about)),
-      h("td", {}, use.element),
-      h("td", {}, thickness.element),
-      h("td", {}, width.element, drawn),
-    );
-    return { element, use, thickness, width, drawn };
-  });
-  const strokes = check({
-    text: "Widths as drawn",
-    value: chosen.strokes,
-    testid: "drawing-strokes",
-    onchange: (on) => ((chosen.strokes = on), show()),
-  });
-  const keep = check({
-    text: "Keep the pattern that is on the sheet",
-    value: chosen.keep,
-    testid: "drawing-keep",
-    onchange: (on) => (chosen.keep = on),
-  });
-  const sheet = segments({
-    label: "Sheet",
-    testid: "drawing-sheet",
-    options: {
-      kept: "As it is",
-      around: { text: "Rectangle around it", title: "A rectangle with 10 mm around the drawing" },
-    },
-    value: chosen.sheet,
-    onchange: (value) => (chosen.sheet = value),
-  });
-  const origin = segments({
-    label: "Place",
-    testid: "drawing-origin",
-    options: { middle: "In the middle", drawing: { text: "As drawn", title: "At the drawing's own coordinates" } },
-    value: chosen.origin,
-    onchange: (value) => (chosen.origin = value),
-  });
-  const sheetRow = titled("Outline of the sheet", sheet);
-  const fault = h("div", { class: "fault any", role: "alert", hidden: true, testid: "drawing-problem" });
-  const go = button({ icon: "upload", text: "Put it on the sheet", kind: "primary", testid: "drawing-go", onclick: place });
-
-  function show() {
-    const hasRods = of("rods", "both").length > 0;
-    rows.forEach(({ element, thickness, width, drawn }, k) => {
-      const isOfRods = ["rods", "both"].includes(layers[k].use);
-      element.classList.toggle("off", layers[k].use === "none");
-      thickness.element.hidden = !isOfRods;
-      const isAsDrawn = strokes.box.checked && hasStrokes();
-      width.element.hidden = !isOfRods || isAsDrawn;
-      drawn.hidden = !isOfRods || !isAsDrawn;
-    });
-    strokes.element.hidden = !hasStrokes();
-    keep.element.hidden = !hasRods;
-    sheetRow.hidden = !hasRods || of("outline", "both").length > 0;
-    go.disabled = !hasRods && !of("outline").length;
-    fault.hidden = true;
-    pictureOf(picture, layers, drawing.size_mm);
+    const said = `${plural(layer.count, "line")}${layer.widths_mm ? `, ${widthText(layer.widths_mm)}` : ""}`;
+    return h("tr", { className: () => (layer.use === "none" ? "off" : "") }, [
+      h("th", { scope: "row" }, h("span", { title: layer.name }, layer.name), h("span.muted", said)),
+      h("td", use),
+      h("td", cell("thickness", "Thickness", 0.05, () => !isOfRods())),
+      h("td", [
+        cell("width", "Width", 0.1, () => !isOfRods() || isAsDrawn()),
+        h("span.muted", { hidden: () => !isOfRods() || !isAsDrawn() }, "As drawn"),
+      ]),
+    ]);
   }
+  const sheets = {
+    kept: "As it is",
+    around: { text: "Rectangle around it", title: "A rectangle with 10 mm around the drawing" },
+  };
+  const places = {
+    middle: "In the middle",
+    drawing: { text: "As drawn", title: "At the drawing's own coordinates" },
+  };
+  const isOutlined = () => !hasRods() || of("outline", "both").length > 0;
+  const fault = h("div.fault.any", { role: "alert", hidden: true, testid: "drawing-problem" });
+  let isSent = false;
+  const go = button({
+    icon: "upload",
+    text: "Put it on the sheet",
+    kind: "primary",
+    testid: "drawing-go",
+    disabled: () => isSent || (!hasRods() && !of("outline").length),
+    onclick: place,
+  });
 
   function place() {
     const before = store.get("document").revision;
     const used = layers.filter(({ use }) => use !== "none");
-    fault.hidden = true;
-    go.disabled = true;
+    isSent = true;
+    update();
     edits.once(() =>
       edits.drawing({
         drawing: drawing.number,
@@ -171,38 +140,63 @@ export function openDrawing({ store, edits, actions }, drawing) {
     stop = store.on(["document"], ({ document }) => {
       if (edits.isWaiting) return;
       stop();
-      go.disabled = false;
+      isSent = false;
+      show(go);
       if (document.revision === before) return; // refused; the line says why
       element.close();
       actions.fitSoon(before);
-      const leftOut = drawing.left_out ? `; left out: ${drawing.left_out}` : "";
-      toast(`${drawing.name} is on the sheet${leftOut}.`, { action: { text: "Undo", run: actions.undo } });
+      toast(`${drawing.name} is on the sheet${drawing.left_out ? `; left out: ${drawing.left_out}` : ""}.`, {
+        action: { text: "Undo", run: actions.undo },
+      });
     });
   }
   let stop = () => {};
 
-  const body = h(
-    "div",
-    { class: "drawing" },
-    h(
-      "div",
-      {},
+  const body = h("div.drawing", [
+    h("div", [
       picture,
-      h("p", { class: "hint", testid: "drawing-size" }, `${size(drawing.size_mm, 1)}, ${plural(layers.length, "layer")}`),
+      hint(`${size(drawing.size_mm, 1)}, ${plural(layers.length, "layer")}`, { testid: "drawing-size" }),
       drawing.left_out ? hint(`Left out: ${drawing.left_out}.`) : null,
-      sheetRow,
-      titled("Place on the sheet", origin),
-      strokes.element,
-      keep.element,
-    ),
-    h("div", { class: "layers-list" }, table({ class: "small layers" }, HEADS, rows.map((row) => row.element))),
-    h("div", { class: "end" }, fault, go),
-  );
+      titled("Outline of the sheet", "Sheet", { testid: "drawing-sheet", options: sheets, ...about("sheet") }, isOutlined),
+      titled("Place on the sheet", "Place", { testid: "drawing-origin", options: places, ...about("origin") }),
+      check({ text: "Widths as drawn", testid: "drawing-strokes", ...about("strokes"), hidden: () => !hasStrokes() }),
+      check({
+        text: "Keep the pattern that is on the sheet",
+        testid: "drawing-keep",
+        ...about("keep"),
+        hidden: () => !hasRods(),
+      }),
+    ]),
+    h("div.layers-list", table({ className: "small layers" }, HEADS, layers.map(row))),
+    h("div.end", fault, go),
+  ]);
   const element = dialog(`Put ${drawing.name} on the sheet`, body, { testid: "drawing-dialog", onclose: () => stop() });
-  show();
+  function update() {
+    fault.hidden = true;
+    show(body);
+    drawPicture(picture, layers);
+  }
+  drawPicture(picture, layers);
 }
 
-const titled = (text, { element }) => h("div", { class: "labelled" }, h("span", { class: "muted" }, text), element);
+/** Some values beside each other under their name. */
+const titled = (text, label, options, hidden) =>
+  h("div.labelled", { hidden }, h("span.muted", text), segments({ label, ...options }));
+
+/** Rods dark, the outline in the accent colour, what is left out faint. */
+function drawPicture(canvas, layers) {
+  const { context, path } = smallPlan(canvas, layers.flatMap(({ lines }) => lines.flat()), 24);
+  context.lineCap = context.lineJoin = "round";
+  const order = ["none", "rods", "both", "outline"];
+  for (const { lines, use } of [...layers].sort((a, b) => order.indexOf(a.use) - order.indexOf(b.use))) {
+    context.strokeStyle = colourOf({ none: "ink-soft", rods: "ink" }[use] ?? "accent");
+    context.lineWidth = { none: 1, outline: 3 }[use] ?? 5;
+    for (const line of lines) {
+      path(line);
+      context.stroke();
+    }
+  }
+}
 
 const widthText = ([low, high]) =>
   high - low < 0.01 ? `${fixed(low, 2)} mm wide` : `${fixed(low, 2)} to ${fixed(high, 2)} mm wide`;

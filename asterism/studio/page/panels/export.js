@@ -1,108 +1,78 @@
 // The export dialog: files for the printer, and what was written.
 
-import { button, check, choice, dialog, h, hint, labelled, replace, section } from "../dom.js";
+import { addressOf, button, check, choice, dialog, h, hint, labelled, replace, section, show } from "../dom.js";
 import { bytes, capital } from "../format.js";
 import { icon } from "../icons.js";
 import { numberField } from "./fields.js";
 
 export function openExport({ store, actions }) {
   const { printers = [], plastics = [] } = store.get("document");
-  let printer = store.get("sheet").printer?.name ?? printers[0]?.name;
-  let plastic = plastics.find((name) => name.startsWith("tpu")) ?? plastics[0];
-  const machine = choice({
-    label: "Printer",
-    testid: "export-printer",
-    options: printers.map(({ name, title }) => ({ value: name, text: title ?? name })),
-    value: printer,
-    onchange: (value) => (printer = value),
-  });
-  const material = plastics.length
-    ? choice({
-        label: "Plastic",
-        testid: "export-plastic",
-        options: Object.fromEntries(plastics.map((name) => [name, name])),
-        value: plastic,
-        onchange: (value) => (plastic = value),
-      })
-    : null;
-  const preview = check({
-    text: `Write the shape too (OBJ, STL, GLB): ${store.get("badge").words}`,
-    value: true,
-    testid: "export-preview",
-  });
-  const border = check({ text: "Print a line to cut along", value: true, testid: "export-border" });
-  const spacing = numberField({
-    label: "Needles on supported edges, at most apart",
-    value: 20,
-    min: 2,
-    max: 200,
-    testid: "export-spacing",
-    onchange: (value) => (needleSpacing = value),
-  });
-  let needleSpacing = 20;
-  const said = h("span", { class: "grow" });
-  const waiting = h(
-    "div",
-    { class: "row", hidden: true },
-    said,
-    button({ text: "Cancel", testid: "export-cancel", onclick: actions.cancel }),
-  );
-  const written = h("div", { role: "status", testid: "export-result" });
+  const chosen = {
+    printer: store.get("sheet").printer?.name ?? printers[0]?.name,
+    plastic: plastics.find((name) => name.startsWith("tpu")) ?? plastics[0],
+    preview: true,
+    border: true,
+    needle_spacing_mm: 20,
+  };
+  /** Value and change of a control that is about one of the choices. */
+  const about = (key) => ({ value: chosen[key], onchange: (value) => (chosen[key] = value) });
+  const names = printers.map(({ name, title }) => ({ value: name, text: title ?? name }));
+  const materials = plastics.map((name) => ({ value: name, text: name }));
+  const list = (label, key, options) =>
+    labelled(label, choice({ label, testid: `export-${key}`, options, ...about(key) }));
+  const progress = () => store.get("jobs").export;
   const go = button({
     icon: "export",
     text: "Write the files",
     kind: "primary",
     testid: "export-go",
-    onclick: () => {
-      const options = { preview: preview.box.checked, border: border.box.checked, needle_spacing_mm: needleSpacing };
-      actions.writeFiles({ printer, plastic, ...options });
-    },
+    disabled: () => Boolean(progress()),
+    onclick: () => actions.writeFiles(chosen),
   });
+  const waiting = h("div.row", { hidden: () => !progress() }, [
+    h("span.grow", () => `${progress()?.stage} …`),
+    button({ text: "Cancel", testid: "export-cancel", onclick: actions.cancel }),
+  ]);
+  const written = h("div", { role: "status", testid: "export-result" });
+  function writtenPart({ files, summary, warnings = [] }) {
+    const others = files.filter((file) => !first(files).includes(file));
+    return [
+      section("Written"),
+      hint(`All files are in ${folderOf(store.get("document").path, files)}`),
+      summary?.shape_state ? hint(`The shape: ${summary.shape_state}`) : null,
+      warnings.map((text) => hint(capital(text))),
+      fileList(first(files)),
+      h("details", { testid: "export-more" }, h("summary", "Files for other programs"), fileList(others)),
+    ];
+  }
   const update = () => {
     const { export: result } = store.get("results");
-    const { export: progress } = store.get("jobs");
-    go.disabled = Boolean(progress);
-    waiting.hidden = !progress;
-    if (progress) ((said.textContent = `${progress.stage} …`), replace(written));
-    else
-      replace(
-        written,
-        result?.files
-          ? [
-              section("Written"),
-              hint(`All files are in ${folderOf(store.get("document").path, result.files)}`),
-              result.summary?.shape_state ? hint(`The shape: ${result.summary.shape_state}`) : null,
-              (result.warnings ?? []).map((text) => hint(capital(text))),
-              fileList(first(result.files)),
-              h(
-                "details",
-                { testid: "export-more" },
-                h("summary", {}, "Files for other programs"),
-                fileList(result.files.filter((file) => !first(result.files).includes(file))),
-              ),
-            ]
-          : null,
-      );
+    show(go, waiting);
+    replace(written, !progress() && result?.files ? writtenPart(result) : null);
   };
-  const stop = store.on(["results", "jobs"], update);
+  const shape = `Write the shape too (OBJ, STL, GLB): ${store.get("badge").words}`;
   dialog(
     "Export for the printer",
-    h(
-      "div",
-      { class: "export" },
-      labelled("Printer", machine),
-      material && labelled("Plastic", material),
+    h("div.export", [
+      list("Printer", "printer", names),
+      plastics.length > 0 && list("Plastic", "plastic", materials),
       hint(
         "3MF and STL for the slicer, PDF, SVG and DXF at 1:1, drilling template, start code, instructions, and the rounded design.",
       ),
-      preview.element,
-      border.element,
-      spacing.element,
-      h("div", { class: "row" }, go),
+      check({ text: shape, testid: "export-preview", ...about("preview") }),
+      check({ text: "Print a line to cut along", testid: "export-border", ...about("border") }),
+      numberField({
+        label: "Needles on supported edges, at most apart",
+        min: 2,
+        max: 200,
+        testid: "export-spacing",
+        ...about("needle_spacing_mm"),
+      }),
+      h("div.row", go),
       waiting,
       written,
-    ),
-    { testid: "export-dialog", onclose: stop },
+    ]),
+    { testid: "export-dialog", onclose: store.on(["results", "jobs"], update) },
   );
   update();
 }
@@ -118,8 +88,6 @@ const USES = {
 const nameOf = (file) => file.name.split("/").at(-1);
 const first = (files) => Object.keys(USES).flatMap((name) => files.filter((file) => nameOf(file) === name));
 
-const use = (file) => (nameOf(file) in USES ? h("div", { class: "muted" }, USES[nameOf(file)]) : null);
-
 /** The folder on this machine into which files were written. */
 function folderOf(design, files) {
   const slash = design.includes("\\") ? "\\" : "/";
@@ -128,21 +96,16 @@ function folderOf(design, files) {
 }
 
 function fileList(files) {
-  return h(
-    "ul",
-    { class: "list files" },
-    files.map((file) =>
-      h(
-        "li",
-        {},
-        h(
-          "a",
-          { class: "item", href: `file/${encodeURI(file.name)}`, download: nameOf(file), title: "Download" },
-          icon("export"),
-          h("span", { class: "grow" }, nameOf(file), use(file)),
-          h("span", { class: "count" }, bytes(file.size)),
-        ),
-      ),
-    ),
-  );
+  const item = ({ name, size }) => {
+    const own = nameOf({ name });
+    const about = own in USES ? h("div.muted", USES[own]) : null;
+    return h("li", [
+      h("a.item", { href: addressOf(name), download: own, title: "Download" }, [
+        icon("export"),
+        h("span.grow", own, about),
+        h("span.count", bytes(size)),
+      ]),
+    ]);
+  };
+  return h("ul.list.files", files.map(item));
 }

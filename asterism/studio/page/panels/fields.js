@@ -1,11 +1,11 @@
-// Number fields with unit, slider and limits; each shows one line of fault.
+// Number fields with unit, slider and limits, each with a line of fault; contents that are built anew around them.
 
 import { mistakeOf, numberOf } from "../format.js";
-import { h } from "../dom.js";
+import { h, live, replace } from "../dom.js";
 
 /** A cell of a table of numbers in mm; what is refused is marked, and its title says why. */
-export function numberCell({ value, label, testid, limits = () => undefined, onchange }) {
-  const input = h("input", { class: "text cell", value, "aria-label": label, testid });
+export function numberCell({ limits = () => undefined, onchange, ...rest }) {
+  const input = h("input.text.cell", rest);
   input.addEventListener("keydown", (event) => event.stopPropagation());
   input.addEventListener("change", () => {
     const refused = mistakeOf(input.value, { unit: "mm", limits: limits() });
@@ -17,89 +17,93 @@ export function numberCell({ value, label, testid, limits = () => undefined, onc
   return input;
 }
 
+/** Shows a line of fault, and marks what it is about; without a message it goes. */
+export function showFault(line, message, marked, mark) {
+  line.hidden = !message;
+  line.textContent = message ?? "";
+  marked.classList.toggle(mark, Boolean(message));
+}
+
 let count = 0;
 
 /**
- * A number with its unit. `onchange(value, isFinal)`: while a slider is dragged isFinal is false.
- * Returns {element, set(value), limits(min, max), fault(text), isRefused()}.
+ * A number with its unit. `onchange(value, isFinal)`: while a slider is dragged isFinal is false. `value`, `limits`
+ * (a function for [min, max]), `placeholder`, `disabled` and `hidden` may follow the state.
+ * Returns {element, input, set(value), limits(min, max), isRefused()}.
  */
 export function numberField({
   label,
   unit = "mm",
-  value,
+  value = null,
   min = -Infinity,
   max = Infinity,
+  limits: limitsNow,
   step = 1,
-  digits,
+  digits = Math.max(0, -Math.floor(Math.log10(step))),
   slider = false,
   whole = false,
+  disabled,
+  placeholder,
+  hidden,
   onchange,
   testid,
   field,
 }) {
   const id = `field-${(count += 1)}`;
-  const places = digits ?? Math.max(0, -Math.floor(Math.log10(step)));
   let limits = [min, max];
-  let present = value;
+  let present = null;
   let entered = null; // text that Enter has accepted: the change that the browser reports then is no other one
-  const text = (number) => (number === null || number === undefined ? "" : String(Number(number.toFixed(places))));
-  const input = h("input", {
-    id,
-    type: "text",
-    inputmode: "decimal",
-    autocomplete: "off",
-    value: text(value),
-    testid,
-    "aria-describedby": `${id}-fault`,
-  });
-  const fault = h("div", { class: "fault", id: `${id}-fault`, hidden: true, role: "alert" });
-  const range = slider ? h("input", { type: "range", min, max, step, value, "aria-label": `${label}, ${unit}` }) : null;
-  const element = h(
-    "div",
-    { class: "field" },
-    h("label", { for: id }, label),
-    h("span", { class: "number" }, input, h("span", { class: "unit", "aria-hidden": "true" }, unit)),
-    range,
-    fault,
-  );
-  if (field) element.dataset.field = field;
+  const text = (number) => (number === null || number === undefined ? "" : String(Number(number.toFixed(digits))));
+  const typing = { type: "text", inputmode: "decimal", autocomplete: "off" };
+  const input = h("input", { id, ...typing, testid, disabled, placeholder, "aria-describedby": `${id}-fault` });
+  const fault = h("div.fault", { id: `${id}-fault`, hidden: true, role: "alert" });
+  const range = slider ? h("input", { type: "range", min, max, step, "aria-label": `${label}, ${unit}` }) : null;
+  const number = h("span.number", input, h("span.unit", { "aria-hidden": "true" }, unit));
+  const name = h("label", { htmlFor: id }, label);
+  const element = h("div.field", { hidden, "data-field": field }, name, number, range, fault);
 
   function show(message) {
-    fault.hidden = !message;
-    fault.textContent = message ?? "";
-    element.classList.toggle("bad", Boolean(message));
+    showFault(fault, message, element, "bad");
     input.setAttribute("aria-invalid", String(Boolean(message)));
   }
-  function set(number) {
+  /** Writes a number into the field and the slider. */
+  function write(number) {
     present = number;
-    if (document.activeElement !== input) input.value = text(number);
+    input.value = text(number);
     if (range) range.value = number;
+  }
+  function set(number) {
+    const typed = document.activeElement === input ? input.value : null;
+    write(number);
+    if (typed !== null) input.value = typed;
     show(null);
   }
-  const typed = () => numberOf(input.value, unit);
+  function setLimits(low, high) {
+    limits = [low, high];
+    if (range) Object.assign(range, { min: low, max: high });
+  }
   const mistake = () => mistakeOf(input.value, { unit, limits, whole });
-  function accept(isFinal) {
-    const number = typed();
+  function accept() {
+    const number = numberOf(input.value, unit);
     const refused = mistake();
     show(refused);
     if (refused) return;
     input.value = text(number); // of a sum or another unit
     if (number === present) return;
-    present = number;
-    if (range) range.value = number;
-    onchange(number, isFinal);
+    write(number);
+    onchange(number, true);
   }
   // a fault goes while the value is typed: if it went with the focus, a button below would move away under its click
   input.addEventListener("input", () => {
     entered = null;
     if (!fault.hidden && !mistake()) show(null);
   });
-  input.addEventListener("change", () => input.value === entered || accept(true));
+  input.addEventListener("change", () => input.value === entered || accept());
   input.addEventListener("blur", () => element.classList.contains("bad") || (input.value = text(present)));
   input.addEventListener("keydown", (event) => {
     event.stopPropagation();
     if (event.key === "Enter") {
-      accept(true);
+      accept();
       entered = input.value;
     }
     if (event.key === "Escape") {
@@ -112,20 +116,24 @@ export function numberField({
     event.preventDefault();
     const next = Math.min(Math.max((present ?? 0) + up * step * (event.shiftKey ? 10 : 1), limits[0]), limits[1]);
     input.value = text(next);
-    accept(true);
+    accept();
   });
-  if (range) {
-    range.addEventListener(
-      "input",
-      () => ((present = Number(range.value)), (input.value = text(present)), show(null), onchange(present, false)),
-    );
-    range.addEventListener("change", () => onchange(Number(range.value), true));
-  }
+  range?.addEventListener("input", () => {
+    write(Number(range.value));
+    show(null);
+    onchange(present, false);
+  });
+  range?.addEventListener("change", () => onchange(Number(range.value), true));
+  live(element, () => {
+    if (limitsNow) setLimits(...limitsNow());
+    if (typeof value === "function") set(value());
+  });
+  if (typeof value !== "function") set(value);
   return {
     element,
     input,
     set,
-    fault: show,
+    limits: setLimits,
     /** Whether the text is no value of the field; then the field says so and has the focus. */
     isRefused() {
       const refused = mistake();
@@ -135,9 +143,30 @@ export function numberField({
       }
       return Boolean(refused);
     },
-    limits(low, high) {
-      limits = [low, high];
-      if (range) Object.assign(range, { min: low, max: high });
-    },
   };
+}
+
+// fields in which something is typed that is not accepted yet
+addEventListener("input", ({ target }) => target.dataset && (target.dataset.typed = "true"), true);
+addEventListener("change", ({ target }) => delete target.dataset?.typed, true);
+
+/**
+ * Replaces the content when the keyboard has moved on: a field that is left by Tab changes before the next one has the
+ * focus. That one keeps the focus and what is typed in it; elements are the same if they have the same testid.
+ */
+export function rebuild(element, build) {
+  setTimeout(() => {
+    const before = element.contains(document.activeElement) ? document.activeElement : null;
+    replace(element, build());
+    const after = before?.dataset.testid && element.querySelector(`[data-testid="${before.dataset.testid}"]`);
+    if (!after) return;
+    after.focus();
+    if (!before.dataset.typed) return void after.select?.();
+    after.value = before.value;
+    after.dataset.typed = "true";
+    after.setSelectionRange(before.selectionStart, before.selectionEnd);
+    // a browser reports a change only of what was typed into this very element
+    const leave = () => after.dataset.typed && after.dispatchEvent(new Event("change", { bubbles: true }));
+    after.addEventListener("blur", leave, { capture: true, once: true });
+  });
 }

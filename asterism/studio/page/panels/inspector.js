@@ -1,7 +1,8 @@
 // The panel on the right: pages for the tool, the sheet's material, and the shape.
 
-import { h, replace } from "../dom.js";
+import { h, nextByArrow, replace } from "../dom.js";
 import { plainField } from "../format.js";
+import { showFault } from "./fields.js";
 
 const PAGES = { tool: "Tool", sheet: "Material", shape: "Shape" };
 
@@ -9,9 +10,8 @@ const PAGES = { tool: "Tool", sheet: "Material", shape: "Shape" };
 export function buildInspector(element, studio, panels) {
   const { store, tools } = studio;
   const tabs = Object.keys(PAGES).map((page) =>
-    h("button", {
+    h("button.tab", {
       type: "button",
-      class: "tab",
       role: "tab",
       id: `tab-${page}`,
       "aria-controls": "page",
@@ -19,15 +19,9 @@ export function buildInspector(element, studio, panels) {
       onclick: () => store.set({ page }),
     }),
   );
-  const list = h("div", { class: "tabs", role: "tablist", "aria-label": "Inspector" }, tabs);
-  list.addEventListener("keydown", (event) => {
-    const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
-    if (!step) return;
-    const at = (tabs.indexOf(document.activeElement) + step + tabs.length) % tabs.length;
-    tabs[at].focus();
-    tabs[at].click();
-  });
-  const body = h("div", { class: "pages", id: "page", role: "tabpanel", tabindex: "-1" });
+  const onkeydown = (event) => nextByArrow(event, tabs)?.click();
+  const list = h("div.tabs", { role: "tablist", "aria-label": "Inspector", onkeydown }, tabs);
+  const body = h("div.pages", { id: "page", role: "tabpanel", tabindex: "-1" });
   element.append(list, body);
   let stop = [];
   let shown = "";
@@ -45,36 +39,32 @@ export function buildInspector(element, studio, panels) {
     replace(body, panel(studio, { on }));
     body.setAttribute("aria-labelledby", `tab-${page}`);
     body.scrollTop = 0;
-    showFault();
+    showProblem();
   }
   /** What stands in the way of a shape, beside the control of the value that it is about. */
-  function showFault() {
+  function showProblem() {
     const { problem } = store.get("state");
-    for (const element of body.querySelectorAll("[data-field]")) {
-      const line = element.querySelector(":scope > .fault");
-      const isAbout = Boolean(problem?.field) && element.dataset.field === plainField(problem.field);
-      if (!line || (!isAbout && !element.dataset.blocked)) continue;
-      element.classList.toggle("bad", isAbout);
-      line.hidden = !isAbout;
-      line.textContent = isAbout ? problem.text : "";
-      if (isAbout) element.dataset.blocked = "true";
-      else delete element.dataset.blocked;
+    for (const one of body.querySelectorAll("[data-field]")) {
+      const line = one.querySelector(":scope > .fault");
+      const isAbout = Boolean(problem?.field) && one.dataset.field === plainField(problem.field);
+      if (!line || (!isAbout && !one.dataset.blocked)) continue;
+      showFault(line, isAbout ? problem.text : null, one, "bad");
+      if (isAbout) one.dataset.blocked = "true";
+      else delete one.dataset.blocked;
     }
   }
   function mark() {
-    const page = store.get("page");
     const count = store.get("state").warnings?.length ?? 0;
-    tabs.forEach((tab, k) => {
-      const name = Object.keys(PAGES)[k];
-      tab.setAttribute("aria-selected", String(name === page));
-      tab.tabIndex = name === page ? 0 : -1;
-      const title = name === "tool" ? tools[store.get("tool")].title : PAGES[name];
-      const badge = name === "shape" && count > 0 && h("span", { class: "badge", title: `${count} warnings` }, count);
-      replace(tab, title, badge);
+    Object.entries(PAGES).forEach(([name, title], k) => {
+      const isShown = name === store.get("page");
+      tabs[k].setAttribute("aria-selected", String(isShown));
+      tabs[k].tabIndex = isShown ? 0 : -1;
+      const badge = name === "shape" && count > 0 && h("span.badge", { title: `${count} warnings` }, count);
+      replace(tabs[k], name === "tool" ? tools[store.get("tool")].title : title, badge);
     });
   }
   store.on(["page", "tool"], () => (build(), mark()));
-  store.on(["state"], () => (mark(), showFault()));
+  store.on(["state"], () => (mark(), showProblem()));
   build();
   mark();
 }

@@ -1,69 +1,53 @@
 // Panel of the outline: regular shapes, corners, circles and holes as numbers, drawing files.
 
 import { curvesOf } from "../border.js";
-import { button, counted, h, hint, listItem, refresh, section, segments } from "../dom.js";
+import { button, counted, follow, h, hint, listItem, part, section, segments, show, wide } from "../dom.js";
 import { fixed, plural } from "../format.js";
 import { regularShape, sizeOf } from "../plan/tools/outline.js";
-import { numberCell, numberField } from "./fields.js";
-import { rebuild } from "../rebuild.js";
+import { numberCell, numberField, rebuild } from "./fields.js";
 
 const MAX_LISTED = 16; // corners
 
-export function outlinePanel({ store, edits, tools, actions }, { on }) {
+export function outlinePanel({ store, tools, actions }, { on }) {
   const tool = tools.outline.tool;
-  const shape = { kind: "rectangle", width: 160, height: 120, sides: 8, rings: 3 };
-  const box = store.get("sheet")?.box.size;
-  if (box) Object.assign(shape, { width: Math.round(box[0]), height: Math.round(box[1]) });
-  const field = (label, key, rest) =>
+  const [width, height] = store.get("sheet")?.box.size ?? [160, 120];
+  const shape = { kind: "rectangle", width: Math.round(width), height: Math.round(height), sides: 8, rings: 3 };
+  const field = (label, key, kinds, rest = {}) =>
     numberField({
       label,
-      value: shape[key],
+      value: () => shape[key],
       min: 1,
       max: 5000,
+      hidden: () => !kinds.includes(shape.kind),
       onchange: (value) => (shape[key] = value),
       testid: `shape-${key}`,
       ...rest,
     });
-  const width = field("Width", "width", { field: "border.rectangle_mm" });
-  const height = field("Height", "height");
-  const sides = field("Corners", "sides", { unit: "", min: 3, max: 120, whole: true });
-  const rings = field("Rings of stars", "rings", { unit: "", min: 0, max: 40, whole: true, field: "border.rings" });
+  const counts = { unit: "", whole: true };
+  const widthText = () => (shape.kind === "polygon" ? "Diameter" : "Width");
+  const sizes = [
+    field(widthText, "width", ["rectangle", "polygon", "circle", "l"], { field: "border.rectangle_mm" }),
+    field("Height", "height", ["rectangle", "circle", "l"]),
+    field("Corners", "sides", ["polygon"], { ...counts, min: 3, max: 120 }),
+    field("Rings of stars", "rings", ["hexagon"], { ...counts, min: 0, max: 40, field: "border.rings" }),
+  ];
   const kind = segments({
     label: "Regular shape",
     testid: "shape",
     options: { rectangle: "Rectangle", hexagon: "Hexagon", polygon: "Polygon", circle: "Circle", l: "L" },
     value: shape.kind,
-    onchange: (value) => ((shape.kind = value), show()),
+    onchange: (value) => ((shape.kind = value), show(sizes)),
   });
-  function show() {
-    width.element.hidden = shape.kind === "hexagon";
-    width.element.querySelector("label").textContent = shape.kind === "polygon" ? "Diameter" : "Width";
-    height.element.hidden = !["rectangle", "circle", "l"].includes(shape.kind);
-    sides.element.hidden = shape.kind !== "polygon";
-    rings.element.hidden = shape.kind !== "hexagon";
+  function use() {
+    if (sizes.some((one) => !one.element.hidden && one.isRefused())) return;
+    tool.setBorder(regularShape(shape.kind, shape));
+    actions.fitSoon();
   }
-  show();
-  const apply = button({
-    text: "Use this shape",
-    kind: "wide",
-    testid: "use-shape",
-    onclick: () => {
-      const shown = [width, height, sides, rings].filter((one) => !one.element.hidden);
-      if (shown.some((one) => one.isRefused())) return;
-      tool.setBorder(regularShape(shape.kind, shape));
-      actions.fitSoon();
-    },
-  });
-  const upload = button({
-    icon: "upload",
-    text: "From SVG, DXF or CSV…",
-    kind: "wide",
-    testid: "upload-outline",
-    onclick: () => actions.upload("outline", ".svg,.dxf,.csv"),
-  });
-  const list = h("div", { class: "corners" });
-  const holes = h("div", {});
-  const said = h("div", {});
+  const trash = (label, testid, onclick, rest = {}) =>
+    button({ icon: "trash", label, kind: "plain danger", testid, onclick, ...rest });
+
+  const list = h("div.corners");
+  const holes = h("div");
   function update() {
     const sheet = store.get("sheet");
     if (!sheet) return;
@@ -73,18 +57,11 @@ export function outlinePanel({ store, edits, tools, actions }, { on }) {
       if (round) return [section(round.axes[0] === round.axes[1] ? "Circle" : "Ellipse"), ...numbers(round, "outline")];
       const title = counted("Corners", outline.length);
       if (outline.length <= MAX_LISTED) return [title, outline.map((_, k) => row(outline, k))];
-      return [title, hint("Select a corner in the plan; its place appears here."), chosenRow(outline)];
+      const k = store.get("corner");
+      const chosen = k !== null && outline[k] ? row(outline, k) : null;
+      return [title, hint("Select a corner in the plan; its place appears here."), chosen];
     });
     rebuild(holes, () => holesPart(curvesOf(sheet).filter(({ hole }) => hole !== null)));
-    const cut = sheet.stars.filter((star) => star.isCut).map((star) => star.key);
-    refresh(said, cut, () =>
-      cut.length
-        ? [
-            hint(`${plural(cut.length, "star")} with arms that an edge cuts.`),
-            button({ text: "Select them", testid: "select-cut", onclick: () => store.set({ selection: new Set(cut) }) }),
-          ]
-        : [],
-    );
   }
   /** Place and size of a circle, an ellipse, or the place of another hole. */
   function numbers(curve, name) {
@@ -99,7 +76,7 @@ export function outlinePanel({ store, edits, tools, actions }, { on }) {
         digits: 2,
         testid: `${name}-${key}`,
         onchange: (typed) => tool.setCurve(curve, change(typed)) || update(),
-      }).element;
+      });
     const placed = (text, axis) =>
       one(text, "xy"[axis], centre[axis], -5000, (value) => ({ centre: centre.with(axis, value) }));
     const sized = (text, axis) =>
@@ -108,23 +85,12 @@ export function outlinePanel({ store, edits, tools, actions }, { on }) {
   }
   function holesPart(curves) {
     const chosen = tool.chosenHole();
+    const remove = () => trash("Remove this hole", "remove-hole", () => tool.removeHole(), { keys: "Delete" });
     return [
-      counted(
-        "Holes",
-        curves.length,
-        chosen &&
-          button({
-            icon: "trash",
-            label: "Remove this hole",
-            keys: "Delete",
-            kind: "plain danger",
-            testid: "remove-hole",
-            onclick: () => tool.removeHole(),
-          }),
-      ),
-      h("ul", { class: "list" }, curves.map((curve) => item(curve, curve.hole === chosen?.hole))),
+      counted("Holes", curves.length, chosen && remove()),
+      h("ul.list", curves.map((curve) => item(curve, curve.hole === chosen?.hole))),
       chosen ? numbers(chosen, "hole") : null,
-      button({ text: "Cut a round hole", kind: "wide", testid: "add-hole", onclick: () => tool.addHole() }),
+      wide("Cut a round hole", "add-hole", () => tool.addHole()),
     ];
   }
   const item = (curve, isCurrent) =>
@@ -136,53 +102,44 @@ export function outlinePanel({ store, edits, tools, actions }, { on }) {
       testid: `hole-${curve.hole}`,
       onclick: () => store.set({ hole: curve.hole, corner: null }),
     });
-  function chosenRow(outline) {
-    const k = store.get("corner");
-    return k !== null && outline[k] ? [row(outline, k)] : [];
-  }
   function row(outline, k) {
-    const move = (axis, value) => tool.setCorners(outline.with(k, outline[k].with(axis, value)));
-    const cell = (axis) => {
-      const input = numberCell({
+    const cell = (axis) =>
+      numberCell({
         value: fixed(outline[k][axis], 2).replace("−", "-"),
-        label: `Corner ${k}, ${"xy"[axis]} in mm`,
+        "aria-label": `Corner ${k}, ${"xy"[axis]} in mm`,
         testid: `corner-${k}-${"xy"[axis]}`,
-        onchange: (value) => move(axis, value),
+        onchange: (value) => tool.setCorners(outline.with(k, outline[k].with(axis, value))),
+        onfocus: () => store.set({ corner: k, hole: null }),
       });
-      input.addEventListener("focus", () => store.set({ corner: k, hole: null }));
-      return input;
-    };
-    return h(
-      "div",
-      { class: "row tight" },
-      h("span", { class: "number-tag" }, k),
+    const remove = () => (store.set({ corner: k }), tool.removeCorner());
+    return h("div.row.tight", [
+      h("span.number-tag", String(k)),
       cell(0),
       cell(1),
-      h("span", { class: "unit-tag" }, "mm"),
-      button({
-        icon: "trash",
-        label: `Remove corner ${k}`,
-        testid: `remove-corner-${k}`,
-        kind: "plain danger",
-        disabled: outline.length <= 3,
-        onclick: () => (store.set({ corner: k }), tool.removeCorner()),
-      }),
-    );
+      h("span.unit-tag", "mm"),
+      trash(`Remove corner ${k}`, `remove-corner-${k}`, remove, { disabled: outline.length <= 3 }),
+    ]);
   }
+  const cut = () => store.get("sheet")?.stars.filter((star) => star.isCut).map((star) => star.key) ?? [];
+  const cutPart = part(null, cut, (keys) => {
+    if (!keys.length) return [];
+    const select = () => store.set({ selection: new Set(keys) });
+    return [
+      hint(`${plural(keys.length, "star")} with arms that an edge cuts.`),
+      button({ text: "Select them", testid: "select-cut", onclick: select }),
+    ];
+  });
   on(["sheet", "hole"], update);
   on(["corner"], () => (store.get("sheet")?.outline.length ?? 0) > MAX_LISTED && update());
   update();
   return [
     section("Regular shape"),
-    kind.element,
-    width.element,
-    height.element,
-    sides.element,
-    rings.element,
-    apply,
-    upload,
+    kind,
+    sizes,
+    wide("Use this shape", "use-shape", use),
+    wide("From SVG, DXF or CSV…", "upload-outline", () => actions.upload("outline", ".svg,.dxf,.csv"), { icon: "upload" }),
     holes,
-    said,
+    follow(on, ["sheet"], cutPart),
     list,
   ];
 }

@@ -6,44 +6,39 @@ import { numberField } from "./fields.js";
 /** What a picture says about itself: the design and the state of its shape. */
 export const pictureTitle = (store) => `${store.get("document")?.name ?? "sheet"} · ${store.get("badge").words}`;
 
-const SIZES = {
-  "1600 × 1200": [1600, 1200],
-  "1920 × 1080": [1920, 1080],
-  "3000 × 2000": [3000, 2000],
-  "3000 × 3000": [3000, 3000],
-};
+const SIZES = ["1600 × 1200", "1920 × 1080", "3000 × 2000", "3000 × 3000"];
 const OWN = "Own size";
 const SMALLEST_PX = 64;
 const LARGEST_PX = 8192; // a larger picture takes more than 1 GB while it is drawn
 
 export function openPicture({ store, view, actions }) {
-  const largest = Math.min(LARGEST_PX, view.renderer.largestPx);
-  let size = [...SIZES["1600 × 1200"]];
+  const max = Math.min(LARGEST_PX, view.renderer.largestPx);
+  const sidesOf = (name) => name.split(" × ").map(Number);
+  let size = sidesOf(SIZES[0]);
   let ground = "#ffffff";
   const name = store.get("document")?.name ?? "sheet";
-  const side = (label, k, testid) =>
+  const sides = ["Width", "Height"].map((label, k) =>
     numberField({
       label,
       unit: "px",
       value: size[k],
       min: SMALLEST_PX,
-      max: largest,
-      step: 1,
-      testid,
+      max,
+      testid: `picture-${label.toLowerCase()}`,
       onchange: (value) => {
         size[k] = Math.round(value);
-        pixels.set(Object.keys(SIZES).find((name) => String(SIZES[name]) === String(size)) ?? OWN);
+        pixels.set(SIZES.find((name) => name === size.join(" × ")) ?? OWN);
       },
-    });
-  const sides = [side("Width", 0, "picture-width"), side("Height", 1, "picture-height")];
+    }),
+  );
   const pixels = choice({
     label: "Size in pixels",
     testid: "picture-size",
-    options: [...Object.keys(SIZES), OWN].map((value) => ({ value, text: value })),
-    value: Object.keys(SIZES)[0],
+    options: [...SIZES, OWN].map((value) => ({ value, text: value })),
+    value: SIZES[0],
     onchange: (value) => {
       if (value === OWN) return sides[0].input.select();
-      size = [...SIZES[value]];
+      size = sidesOf(value);
       sides.forEach((one, k) => one.set(size[k]));
     },
   });
@@ -55,31 +50,23 @@ export function openPicture({ store, view, actions }) {
     onchange: (value) => (ground = value),
   });
   const captions = check({ text: "Title and scale bar", value: true, testid: "picture-caption" });
+  async function save() {
+    const title = captions.box.checked ? pictureTitle(store) : null;
+    const blob = await view.picture(...size, { background: ground, title });
+    const link = h("a", { href: URL.createObjectURL(blob), download: `${name}.png` });
+    link.click();
+    setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+    element.close();
+  }
   const element = dialog(
     "Save a picture of the sheet",
-    h(
-      "div",
-      {},
+    [
       labelled("Size in pixels", pixels),
-      sides.map((one) => one.element),
+      sides,
       labelled("Background", back),
-      captions.element,
-      h(
-        "div",
-        { class: "row" },
-        button({
-          icon: "camera",
-          text: "Save PNG",
-          kind: "primary",
-          testid: "picture-go",
-          onclick: async () => {
-            const blob = await view.picture(...size, { background: ground, title: captions.box.checked ? pictureTitle(store) : null });
-            const link = h("a", { href: URL.createObjectURL(blob), download: `${name}.png` });
-            link.click();
-            setTimeout(() => URL.revokeObjectURL(link.href), 10000);
-            element.close();
-          },
-        }),
+      captions,
+      h("div.row", [
+        button({ icon: "camera", text: "Save PNG", kind: "primary", testid: "picture-go", onclick: save }),
         button({
           text: "GIF of the release",
           label: "An animated picture from the flat print to the exact shape, beside the design file",
@@ -87,8 +74,8 @@ export function openPicture({ store, view, actions }) {
           disabled: store.get("badge").kind !== "exact",
           onclick: () => (actions.animate(), element.close()),
         }),
-      ),
-    ),
+      ]),
+    ],
     { testid: "picture-dialog" },
   );
 }

@@ -1,78 +1,65 @@
 // The line at the bottom: state of the shape, height, size, warnings, what is under the pointer.
 
-import { button, h, replace } from "../dom.js";
+import { append, button, follow, h, part } from "../dom.js";
 import { MEANINGS, activityOf, dotOf } from "../badge.js";
 import { mm, plural, seconds, size, times } from "../format.js";
 
 export function buildStatus(element, { store, actions }) {
-  const engine = h("span", { testid: "engine", role: "status" });
-  const height = h("span", { testid: "height" });
-  const extent = h("span", { testid: "extent" });
-  const stars = h("span", { testid: "stars" });
-  const said = h("span", { testid: "job", role: "status" });
-  const cancel = button({ text: "Cancel", keys: "Escape", kind: "plain", testid: "cancel", onclick: actions.cancel });
-  const job = h("span", { class: "job", hidden: true }, said, cancel);
-  const place = h("span", { testid: "under" });
-  const warnings = h("button", {
-    type: "button",
-    class: "button plain",
-    testid: "warnings",
-    onclick: () => actions.showPage("shape"),
-  });
-  element.append(engine, height, extent, stars, job, h("span", { class: "gap" }), place, warnings);
+  const badge = () => store.get("badge");
+  const [state, connection, document] = ["state", "connection", "document"].map((key) => () => store.get(key));
+  const activity = () => activityOf({ state: state(), connection: connection(), document: document() });
+  const className = () => (badge().isStale ? "stale" : "");
+  const numbers = () => state().numbers ?? {};
+  const extent = () => (numbers().extent_mm ? size(numbers().extent_mm) : "–");
+  function height() {
+    const frame = document() && store.get("frame");
+    return frame ? mm(numbers().height_mm ?? frame.height_mm) : "–";
+  }
+  function pattern() {
+    const sheet = store.get("sheet");
+    if (!sheet) return "No sheet";
+    const [stars, rods] = [sheet.printed.length, sheet.rods.length];
+    return [stars || !rods ? plural(stars, "star") : "", rods ? plural(rods, "rod") : ""].filter(Boolean).join(", ");
+  }
+  const warnings = () => state().warnings?.length ?? 0;
+  const job = () => jobText(store.get("jobs"));
+  const dot = () => `dot ${dotOf(badge(), activity())}`;
+  const line = follow(store.on, ["state", "badge", "frame", "document", "connection", "sheet", "jobs"], [
+    h("span", { testid: "engine", role: "status", title: () => MEANINGS[badge().kind] }, [
+      h("i", { className: dot, "aria-hidden": "true" }),
+      h("b", { testid: "footer-state" }, () => badge().words),
+      h("span", () => (activity() ? `  ${activity()}` : "")),
+    ]),
+    h("span", { testid: "height", className }, "Height ", h("b", height)),
+    h("span", { testid: "extent", className }, "Size ", h("b", extent)),
+    h("span", { testid: "stars" }, pattern),
+    h("span.job", { hidden: () => !job() }, [
+      h("span", { testid: "job", role: "status" }, [
+        h("i.dot.busy", { "aria-hidden": "true" }),
+        h("span", () => job() ?? ""),
+      ]),
+      button({ text: "Cancel", keys: "Escape", kind: "plain", testid: "cancel", onclick: actions.cancel }),
+    ]),
+    h("span.gap"),
+  ]);
+  const place = part("under", () => under(store), ([words, sizes]) => [words, sizes && h("b", sizes)]);
+  const go = { type: "button", testid: "warnings", hidden: () => !warnings(), onclick: () => actions.showPage("shape") };
+  const warned = h("button.button.plain", go, h("b", () => plural(warnings(), "warning")));
+  follow(store.on, ["hover", "selection", "sheet"], place);
+  follow(store.on, ["state"], warned);
+  append(element, [line, place, warned]);
+}
 
-  function update() {
-    const { numbers = {}, warnings: all = [] } = store.get("state");
-    const frame = store.get("frame");
-    const document = store.get("document");
-    const badge = store.get("badge");
-    const activity = activityOf({
-      state: store.get("state"),
-      connection: store.get("connection"),
-      document,
-    });
-    replace(
-      engine,
-      h("i", { class: `dot ${dotOf(badge, activity)}`, "aria-hidden": "true" }),
-      h("b", { testid: "footer-state" }, badge.words),
-      activity ? `  ${activity}` : "",
-    );
-    engine.title = MEANINGS[badge.kind];
-    for (const one of [height, extent]) one.classList.toggle("stale", Boolean(badge.isStale));
-    const isDrawn = Boolean(document && frame);
-    replace(height, "Height ", h("b", {}, isDrawn ? mm(numbers.height_mm ?? frame.height_mm) : "–"));
-    replace(extent, "Size ", h("b", {}, numbers.extent_mm ? size(numbers.extent_mm) : "–"));
-    const sheet = store.get("sheet");
-    const counts = [
-      ...(sheet?.printed.length || !sheet?.rods.length ? [plural(sheet?.printed.length ?? 0, "star")] : []),
-      ...(sheet?.rods.length ? [plural(sheet.rods.length, "rod")] : []),
-    ];
-    replace(stars, sheet ? counts.join(", ") : "No sheet");
-    const running = jobText(store.get("jobs"));
-    job.hidden = !running;
-    if (running) replace(said, h("i", { class: "dot busy", "aria-hidden": "true" }), running);
-    warnings.hidden = !all.length;
-    replace(warnings, h("b", {}, plural(all.length, "warning")));
-  }
-  function under() {
-    const sheet = store.get("sheet");
-    const star = sheet?.byKey.get(store.get("hover"));
-    const chosen = store.get("selection").size;
-    if (star) {
-      const [length, thickness, width] = star.sizes;
-      const sizes = star.isPrinted
-        ? `${mm(length)} long, ${mm(thickness, 2)} thick, ${mm(width, 2)} wide`
-        : star.removed
-          ? "removed"
-          : "no star here";
-      const weight = star.weight === 1 ? "" : `, weight ${times(star.weight)}`;
-      replace(place, `Star ${star.row} at ${star.at[0].toFixed(1)}, ${star.at[1].toFixed(1)} mm: `, h("b", {}, sizes + weight));
-    } else replace(place, chosen ? `${plural(chosen, "star")} selected` : "");
-  }
-  store.on(["state", "badge", "frame", "document", "connection", "sheet", "jobs"], update);
-  store.on(["hover", "selection", "sheet"], under);
-  update();
-  under();
+/** The star under the pointer, or what is selected, in words, and the star's sizes. */
+function under(store) {
+  const star = store.get("sheet")?.byKey.get(store.get("hover"));
+  const chosen = store.get("selection").size;
+  if (!star) return [chosen ? `${plural(chosen, "star")} selected` : ""];
+  const [length, thickness, width] = star.sizes;
+  const absent = star.removed ? "removed" : "no star here";
+  const sizes = star.isPrinted ? `${mm(length)} long, ${mm(thickness, 2)} thick, ${mm(width, 2)} wide` : absent;
+  const weight = star.weight === 1 ? "" : `, weight ${times(star.weight)}`;
+  return [`Star ${star.row} at ${star.at[0].toFixed(1)}, ${star.at[1].toFixed(1)} mm: `, sizes + weight];
 }
 
 const JOBS = {

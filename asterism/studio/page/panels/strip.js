@@ -1,47 +1,43 @@
 // Part of the shape's panel: other forms of the sheet, kept designs and designs that were open, as small pictures.
 
-import { button, h, hint, refresh, section } from "../dom.js";
+import { button, h, hint, refresh, section, show, wide } from "../dom.js";
 import { fixed, mm, percent, size } from "../format.js";
 
 const SLOTS = ["A", "B", "C"];
 
 export function stripPart(studio, { on }) {
   const { store, connection, actions, kept } = studio;
-  const strip = h("div", { class: "strip", testid: "strip" });
-  const said = h("div", { testid: "release" });
-  const flip = button({
+  const isSearching = () => Boolean(store.get("state").searching);
+  const flipText = () => (store.get("state").searching === "flip" ? "Searching …" : "Flip to the other side");
+  const flip = wide(flipText, "flip", actions.flip, {
     icon: "flip",
-    text: "Flip to the other side",
-    kind: "wide",
-    testid: "flip",
-    onclick: actions.flip,
+    hidden: () => !store.get("state").has_preview,
+    disabled: () => !store.get("frame") || isSearching(),
   });
   const stop = button({
     text: "Cancel",
     label: "Cancel the search",
     keys: "Escape",
     testid: "stop-search",
+    hidden: () => !isSearching(),
     onclick: actions.stop,
   });
+  const strip = h("div.strip", { testid: "strip" });
+  const about = () => [words(store.get("state").release), store.get("state").forms?.length > 1 ? FORMS : ""].join(" ");
+  const said = h("div", { testid: "release" }, hint(about));
   let now = ""; // what the picture of the shown shape is of
 
   function update() {
-    const { searching, release, forms = [], has_preview: hasPreview } = store.get("state");
-    const isSearching = Boolean(searching);
     const focused = document.activeElement;
     const hadFocus = focused === flip || strip.contains(focused);
     const id = strip.contains(focused) ? focused.dataset.testid : null;
     const tiles = shownTiles();
-    refresh(strip, [tiles, isSearching, store.get("beside")], () => tiles.map((one) => tile(one, isSearching)));
+    refresh(strip, [tiles, isSearching(), store.get("beside")], () => tiles.map(tile));
     if (id) (strip.querySelector(`[data-testid="${id}"]`) ?? flip).focus();
-    refresh(said, [release, forms.length > 1], () => hint([words(release), forms.length > 1 ? FORMS : ""].join(" ")));
-    flip.hidden = !hasPreview;
-    flip.disabled = !store.get("frame") || isSearching;
-    flip.lastChild.textContent = searching === "flip" ? "Searching …" : "Flip to the other side";
-    stop.hidden = !isSearching;
+    show(said, flip, stop);
     // a button that is taken away hands the keyboard on
-    if (isSearching && hadFocus) stop.focus();
-    else if (!isSearching && focused === stop) flip.focus();
+    if (isSearching() && hadFocus) stop.focus();
+    else if (!isSearching() && focused === stop) flip.focus();
   }
 
   /** All tiles: {id, name, says, title, shape, run: what a click does}. */
@@ -93,31 +89,20 @@ export function stripPart(studio, { on }) {
     return tiles;
   }
 
-  function tile(one, isSearching) {
+  function tile(one) {
     const { id, name, says, title = name, shape, key, slot, keep, run, isEmpty } = one;
     const picture = h("img", { alt: "" });
     if (kept && shape !== undefined && !isEmpty)
       kept.picture(shape, key).then((address) => (picture.src = address), () => {});
     const isBeside = Boolean(shape) && store.get("beside")?.shape === shape;
     const beside = isBeside ? null : { shape, name: [name, says].join(", ") };
-    return h(
-      "div",
-      { class: "tile" },
-      h(
-        "button",
-        {
-          type: "button",
-          class: isEmpty ? "empty" : "",
-          title,
-          "aria-current": String(id === "now"),
-          testid: id,
-          disabled: isSearching,
-          onclick: run,
-        },
+    const props = { type: "button", title, "aria-current": String(id === "now"), testid: id, disabled: isSearching() };
+    return h("div.tile", [
+      h(isEmpty ? "button.empty" : "button", { ...props, onclick: run }, [
         isEmpty ? null : picture,
-        h("span", {}, name),
-        says ? h("span", { class: "count" }, says) : null,
-      ),
+        h("span", name),
+        says ? h("span.count", says) : null,
+      ]),
       kept && shape
         ? button({
             icon: "columns",
@@ -137,17 +122,12 @@ export function stripPart(studio, { on }) {
             onclick: keep,
           })
         : null,
-    );
+    ]);
   }
 
   on(["state", "frame", "badge", "beside"], update);
   update();
-  return [
-    section("Forms and designs"),
-    strip,
-    said,
-    h("div", { class: "row" }, h("span", { class: "grow" }, flip), stop),
-  ];
+  return [section("Forms and designs"), strip, said, h("div.row", h("span.grow", flip), stop)];
 }
 
 const FORMS = "The lower the energy of a form, the more stable.";

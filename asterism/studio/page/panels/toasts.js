@@ -8,18 +8,14 @@ const GAP_PX = 8;
 
 export function toast(text, { isBad = false, action = null, other = null, stay = STAY_MS } = {}) {
   const list = document.getElementById("toasts");
-  const same = [...list.children].find((one) => one.dataset.text === text);
-  same?.remove();
-  const element = h(
-    "div",
-    { class: `toast ${isBad ? "bad" : ""}`, testid: isBad ? "problem" : "toast" },
+  [...list.children].find((one) => one.dataset.text === text)?.remove();
+  const offers = [action, other].filter(Boolean);
+  const element = h(isBad ? "div.toast.bad" : "div.toast", { testid: isBad ? "problem" : "toast", "data-text": text }, [
     icon(isBad ? "warn" : "info"),
-    h("div", { class: "grow" }, text),
-    action ? button({ text: action.text, onclick: () => (action.run(), element.remove()) }) : null,
-    other ? button({ text: other.text, onclick: () => (other.run(), element.remove()) }) : null,
+    h("div.grow", text),
+    offers.map((one) => button({ text: one.text, onclick: () => (one.run(), element.remove()) })),
     button({ icon: "close", label: "Dismiss", kind: "plain", onclick: () => element.remove() }),
-  );
-  element.dataset.text = text;
+  ]);
   list.append(element);
   while (list.children.length > 3) list.firstChild.remove();
   if (stay) setTimeout(() => element.remove(), stay);

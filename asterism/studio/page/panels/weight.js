@@ -1,8 +1,8 @@
 // Panel of the brush of weights: where a fit comes nearer to the target.
 
-import { button, h, hint, refresh } from "../dom.js";
+import { follow, hint, part, wide } from "../dom.js";
 import { plural } from "../format.js";
-import { STRONG } from "../plan/weights.js";
+import { STRONG } from "../plan/draw.js";
 import { brushParts, symmetry } from "./brush.js";
 
 const MODES = {
@@ -14,34 +14,29 @@ const MODES = {
   erase: { text: "Erase", title: "Erase weights", says: "Places without a weight count once." },
 };
 
-export function weightPanel({ store, actions, edits }, { on }) {
-  const parts = brushParts({ store }, { setting: "weightBrush", modes: MODES, prefix: "weight-" });
-  const { brush, mode, says, field, radius, strength } = parts;
+export function weightPanel(studio, { on }) {
+  const { store, actions, edits } = studio;
+  const { brush, mode, says, field } = brushParts(studio, { setting: "weightBrush", modes: MODES, prefix: "weight-" });
+  const hidden = () => brush().mode === "erase";
   // the design file allows more
-  const weight = field("Weight", "weight", { testid: "weight", unit: "×", step: 0.1, digits: 2, min: 0.1, max: STRONG });
-  const below = h("div", {});
-
-  function update() {
-    parts.update();
-    weight.set(brush().weight);
-    weight.element.hidden = strength.element.hidden = brush().mode === "erase";
-    const weighed = store.get("sheet")?.stars.filter((star) => star.weight !== 1).map((star) => star.key) ?? [];
-    const { target } = store.get("state");
-    refresh(below, [weighed, Boolean(target), Boolean(store.get("document"))], () => [
-      hint(weighed.length ? `${plural(weighed.length, "star")} with a weight.` : "All places count alike."),
-      button({
-        text: "Erase all weights",
-        kind: "wide",
-        testid: "weight-clear",
-        disabled: !weighed.length,
-        onclick: () => edits.once(() => edits.weigh(new Map(weighed.map((key) => [key, null])))),
-      }),
-      target
-        ? button({ text: "To the fit", kind: "wide", testid: "weight-fit", onclick: () => actions.showPage("shape") })
-        : hint("Weights count in the fit to a target. Load one on the page Shape."),
-    ]);
-  }
-  on(["weightBrush", "sheet", "state", "document"], update);
-  update();
-  return [mode.element, says, weight.element, radius.element, strength.element, below, ...symmetry({ store }, { on })];
+  const limits = { min: 0.1, max: STRONG, step: 0.1, digits: 2 };
+  const erase = (keys) => edits.once(() => edits.weigh(new Map(keys.map((key) => [key, null]))));
+  const weighed = () => store.get("sheet")?.stars.filter((star) => star.weight !== 1).map((star) => star.key) ?? [];
+  return [
+    follow(on, ["weightBrush", "sheet", "state"], [
+      mode,
+      says,
+      field("Weight", "weight", { testid: "weight", unit: "×", ...limits, hidden }),
+      field("Radius", "radius"),
+      field("Strength", "strength", { hidden }),
+      part(null, () => [weighed(), Boolean(store.get("state").target)], ([keys, hasTarget]) => [
+        hint(keys.length ? `${plural(keys.length, "star")} with a weight.` : "All places count alike."),
+        wide("Erase all weights", "weight-clear", () => erase(keys), { disabled: !keys.length }),
+        hasTarget
+          ? wide("To the fit", "weight-fit", () => actions.showPage("shape"))
+          : hint("Weights count in the fit to a target. Load one on the page Shape."),
+      ]),
+    ]),
+    symmetry(studio, { on }),
+  ];
 }

@@ -1,7 +1,9 @@
 // The canvas of the plan: place and size on the screen, pointers, wheel and pinch; tools get printed millimetres.
 
-import { clamp, distance } from "../geometry.js";
+import { DARK } from "../dom.js";
+import { clamp } from "../geometry.js";
 import { drawPlan } from "./draw.js";
+import { listenToPointers } from "../pointers.js";
 
 const MARGIN_PX = 48;
 const TOP_PX = 56; // below the bar
@@ -10,9 +12,8 @@ const MIN_SCALE = 0.2; // px per mm
 const MAX_SCALE = 80;
 
 export class PlanCanvas {
-  #pointers = new Map();
-  #pan = null;
-  #pinch = null;
+  #isPressed = false;
+  #isPan = false;
   #isDirty = false;
   #hasFit = false;
 
@@ -25,14 +26,23 @@ export class PlanCanvas {
     this.isSpaceDown = false;
     this.pulse = null; // {at, until}: a ring that marks a place for a moment
     new ResizeObserver(() => this.#resized()).observe(canvas);
-    for (const name of ["pointerdown", "pointermove", "pointerup", "pointercancel", "pointerleave"]) {
-      canvas.addEventListener(name, (event) => this.#pointer(name, event));
-    }
-    canvas.addEventListener("keydown", () => delete canvas.dataset.pointer);
-    canvas.addEventListener("blur", () => delete canvas.dataset.pointer);
-    canvas.addEventListener("dblclick", (event) => this.tool?.double?.(this.#event(event)));
-    canvas.addEventListener("wheel", (event) => this.#wheel(event), { passive: false });
-    canvas.addEventListener("contextmenu", (event) => event.preventDefault());
+    const tell = (what) => (event) => this.tool?.[what]?.(this.#event(event));
+    const end = (what) => (event) => {
+      const isPan = this.#isPan;
+      this.#isPressed = this.#isPan = false;
+      if (!isPan) tell(what)(event);
+    };
+    listenToPointers(canvas, {
+      down: (event) => this.#down(event),
+      move: (event, step) => (this.#isPan ? this.#move(step) : tell("move")(event)),
+      up: end("up"),
+      cancel: end("cancel"),
+      hover: tell("hover"),
+      leave: tell("leave"),
+      pinch: ({ factor, step, middle }) => (this.#move(step), this.zoom(factor, this.#pixel(middle))),
+      wheel: (event) => this.#wheel(event),
+    });
+    canvas.addEventListener("dblclick", tell("double"));
     const drawn = [
       "sheet",
       "selection",
@@ -53,13 +63,13 @@ export class PlanCanvas {
     ];
     store.on(drawn, () => this.invalidate());
     store.on(["printArea"], () => this.fit());
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.invalidate());
+    matchMedia(DARK).addEventListener("change", () => this.invalidate());
   }
 
   /** Calls off what a pressed pointer does. Returns whether there is one. */
   cancel() {
-    if (this.#pointers.size) this.tool?.cancel?.();
-    return this.#pointers.size > 0;
+    if (this.#isPressed) this.tool?.cancel?.();
+    return this.#isPressed;
   }
 
   toScreen(point) {
@@ -140,9 +150,13 @@ export class PlanCanvas {
     this.fit();
   }
 
-  #event(event) {
+  #pixel([x, y]) {
     const box = this.canvas.getBoundingClientRect();
-    const pixel = [event.clientX - box.left, event.clientY - box.top];
+    return [x - box.left, y - box.top];
+  }
+
+  #event(event) {
+    const pixel = this.#pixel([event.clientX, event.clientY]);
     const { shiftKey: shift, altKey: alt, ctrlKey, metaKey, pressure, pointerType } = event;
     return {
       at: this.toPlan(pixel),
@@ -155,60 +169,19 @@ export class PlanCanvas {
     };
   }
 
-  #pointer(name, event) {
-    const told = this.#event(event);
-    if (name === "pointerdown") {
-      this.canvas.setPointerCapture(event.pointerId);
-      this.canvas.dataset.pointer = "";
-      this.canvas.focus({ preventScroll: true });
-      this.#pointers.set(event.pointerId, told.pixel);
-      if (this.#pointers.size === 2) {
-        this.tool?.cancel?.();
-        this.#pinch = this.#span();
-        this.#pan = null;
-      } else if (this.#pointers.size === 1) {
-        if (event.button === 1 || event.button === 2 || this.isSpaceDown) this.#pan = told.pixel;
-        else this.tool?.down?.(told);
-      }
-    } else if (name === "pointermove") {
-      if (this.#pointers.has(event.pointerId)) this.#pointers.set(event.pointerId, told.pixel);
-      if (this.#pinch) this.#pinched();
-      else if (this.#pan) {
-        this.offset = [this.offset[0] + told.pixel[0] - this.#pan[0], this.offset[1] + told.pixel[1] - this.#pan[1]];
-        this.#pan = told.pixel;
-        this.invalidate();
-      } else if (this.#pointers.size) this.tool?.move?.(told);
-      else this.tool?.hover?.(told);
-    } else if (name === "pointerleave") {
-      if (!this.#pointers.size) this.tool?.leave?.();
-    } else {
-      if (!this.#pointers.delete(event.pointerId)) return;
-      if (this.#pinch) {
-        if (!this.#pointers.size) this.#pinch = null;
-      } else if (this.#pan) this.#pan = null;
-      else if (name === "pointercancel") this.tool?.cancel?.();
-      else this.tool?.up?.(told);
-    }
+  #down(event) {
+    this.#isPressed = true;
+    this.#isPan = event.button === 1 || event.button === 2 || this.isSpaceDown;
+    if (!this.#isPan) this.tool?.down?.(this.#event(event));
   }
 
-  #span() {
-    const [a, b] = [...this.#pointers.values()];
-    return { length: distance(a, b), middle: [(a[0] + b[0]) / 2, (a[1] + b[1]) / 2] };
-  }
-
-  #pinched() {
-    if (this.#pointers.size < 2) return;
-    const before = this.#pinch;
-    this.#pinch = this.#span();
-    const { middle } = this.#pinch;
-    this.offset = [this.offset[0] + middle[0] - before.middle[0], this.offset[1] + middle[1] - before.middle[1]];
-    this.zoom(this.#pinch.length / before.length, middle);
+  #move([dx, dy]) {
+    this.offset = [this.offset[0] + dx, this.offset[1] + dy];
+    this.invalidate();
   }
 
   #wheel(event) {
-    event.preventDefault();
-    const { pixel } = this.#event(event);
     if (this.tool?.wheel?.(event)) return;
-    this.zoom(Math.exp(-event.deltaY * (event.deltaMode ? 0.05 : 0.0015)), pixel);
+    this.zoom(Math.exp(-event.deltaY * (event.deltaMode ? 0.05 : 0.0015)), this.#event(event).pixel);
   }
 }

@@ -19,18 +19,8 @@ export function showLegend(element, name, domain) {
   const step = (domain[1] - domain[0]) / 4;
   const ticks = [4, 3, 2, 1, 0].map((k) => domain[0] + k * step);
   const digits = field.digits ?? digitsOf(step);
-  replace(
-    element,
-    h("div", { class: "title" }, `${field.title ?? field.name}, ${field.unit}`),
-    h(
-      "div",
-      { class: "scale" },
-      strip,
-      h(
-        "div",
-        { class: "ticks" },
-        ticks.map((value) => h("span", {}, fixed(value, digits))),
-      ),
-    ),
-  );
+  replace(element, [
+    h("div.title", `${field.title ?? field.name}, ${field.unit}`),
+    h("div.scale", strip, h("div.ticks", ticks.map((value) => h("span", fixed(value, digits))))),
+  ]);
 }

@@ -1,92 +1,84 @@
 // Pointers over the view: orbit, pan, zoom, pinch; lifting a needle by its head; hover and click on stars; strokes of a
 // brush on the sheet, where that is switched on.
 
+import { ARROWS, signOf } from "../dom.js";
+import { nearest } from "../geometry.js";
+import { listenToPointers } from "../pointers.js";
 import { selected } from "../plan/tools/select.js";
-import { isChosen, isPoints, membersOf, pointsOf, targetsOf, withChosen, withShifted } from "../supports.js";
+import { isChosen, isPoints, membersOf, needlesOf, withChosen, withShifted } from "../supports.js";
 import { headOf } from "./solids.js";
 
 const GRIP_PX = 16;
 const CLICK_PX = 4;
 
+/** Arrows turn the sheet, + and − zoom, F shows all of it. Returns whether the key did something. */
+export function turnByKey(event, view) {
+  const turn = ARROWS[event.key];
+  if (turn) view.camera.orbit(...turn.map((value) => 12 * value));
+  else if (signOf(event)) view.camera.zoom(1.15 ** signOf(event));
+  else if (event.key.toLowerCase() === "f") view.fit();
+  else return false;
+  view.invalidate();
+  return true;
+}
+
 export function listenToView(view, { store, edits, tools }) {
   const { canvas } = view;
-  const pointers = new Map();
-  let last = null;
-  let drag = null;
+  let drag = null; // what the pressed pointer does
   let way = 0;
+  const pan = ([dx, dy]) => view.camera.pan(dx, dy, canvas.clientHeight);
 
-  canvas.addEventListener("keydown", () => delete canvas.dataset.pointer);
-  canvas.addEventListener("blur", () => delete canvas.dataset.pointer);
-  canvas.addEventListener("contextmenu", (event) => event.preventDefault());
-  canvas.addEventListener("pointerdown", (event) => {
-    canvas.setPointerCapture(event.pointerId);
-    canvas.dataset.pointer = "";
-    canvas.focus({ preventScroll: true });
-    pointers.set(event.pointerId, [event.clientX, event.clientY]);
-    last = span();
-    way = 0;
-    if (drag?.target) edits.cancel(); // a second finger
-    drag?.brush?.cancel();
-    const needle = pointers.size === 1 && event.button === 0 ? needleUnder(event) : null;
-    drag = event.button === 0 && !event.shiftKey ? "orbit" : "pan";
-    if (needle) {
-      const { table, point, target } = needle;
-      const [one, support, { tables, pins }] = [{ table, point }, store.get("support"), store.get("sheet")];
-      const members = isChosen(support, one) ? membersOf(support) : [one];
-      drag = { target, members, tables, pins, y: event.clientY };
-      if (event.ctrlKey || event.metaKey) return void store.set({ support: withChosen(support, one) });
-      if (members.length === 1) store.set({ support: one });
-      edits.begin();
-      return;
-    }
-    const brush = pointers.size === 1 && event.button === 0 ? brushOf() : null;
-    const stroke = brush && strokeAt(event);
-    if (!stroke) return;
-    drag = { brush };
-    brush.down(stroke);
-  });
-  canvas.addEventListener("pointermove", (event) => {
-    if (!pointers.has(event.pointerId)) return hover(event);
-    pointers.set(event.pointerId, [event.clientX, event.clientY]);
-    const now = span();
-    const [dx, dy] = [now.x - last.x, now.y - last.y];
-    way += Math.hypot(dx, dy);
-    if (pointers.size > 1) {
-      view.camera.zoom(now.length / last.length);
-      view.camera.pan(dx, dy, canvas.clientHeight);
-    } else if (drag?.target) return liftTo(event);
-    else if (drag?.brush) return paint(event);
-    else if (drag === "orbit") view.camera.orbit(dx, dy);
-    else view.camera.pan(dx, dy, canvas.clientHeight);
-    last = now;
-    view.invalidate();
-  });
-  const lifted = (event) => {
-    if (!pointers.delete(event.pointerId)) return;
-    if (drag?.target) edits.end();
-    else if (drag?.brush) drag.brush[event.type === "pointerup" ? "up" : "cancel"]();
-    else if (way < CLICK_PX && event.type === "pointerup") click(event);
-    drag = pointers.size ? "pan" : null;
-    if (pointers.size) last = span();
-  };
-  canvas.addEventListener("pointerup", lifted);
-  canvas.addEventListener("pointercancel", lifted);
-  canvas.addEventListener("pointerleave", () => (brushOf() ? brushOf().leave() : store.set({ hover: null })));
-  canvas.addEventListener(
-    "wheel",
-    (event) => {
-      event.preventDefault();
+  listenToPointers(canvas, {
+    down(event) {
+      way = 0;
+      const isFirst = event.button === 0;
+      const needle = isFirst ? needleUnder(event) : null;
+      drag = isFirst && !event.shiftKey ? "orbit" : "pan";
+      if (needle) return grip(event, needle);
+      const brush = isFirst ? brushOf() : null;
+      const stroke = brush && strokeAt(event);
+      if (!stroke) return;
+      drag = { brush };
+      brush.down(stroke);
+    },
+    move(event, step) {
+      way += Math.hypot(...step);
+      if (drag.target) return liftTo(event);
+      if (drag.brush) return paint(event);
+      if (drag === "orbit") view.camera.orbit(...step);
+      else pan(step);
+      view.invalidate();
+    },
+    up(event) {
+      if (drag.target) edits.end();
+      else if (drag.brush) drag.brush.up();
+      else if (way < CLICK_PX) click(event);
+    },
+    cancel() {
+      if (drag.target) edits.cancel();
+      drag.brush?.cancel();
+    },
+    hover,
+    leave: () => (brushOf() ? brushOf().leave() : store.set({ hover: null })),
+    pinch({ factor, step }) {
+      view.camera.zoom(factor);
+      pan(step);
+      view.invalidate();
+    },
+    wheel(event) {
       view.camera.zoom(Math.exp(-event.deltaY * (event.deltaMode ? 0.04 : 0.0013)));
       view.invalidate();
     },
-    { passive: false },
-  );
+  });
 
-  function span() {
-    const all = [...pointers.values()];
-    const [x, y] = [0, 1].map((k) => all.reduce((total, at) => total + at[k], 0) / all.length);
-    const length = all.length > 1 ? Math.hypot(all[0][0] - all[1][0], all[0][1] - all[1][1]) : 1;
-    return { x, y, length: Math.max(length, 1) };
+  /** A press on the head of a needle lifts it, and those that are chosen with it. */
+  function grip(event, { table, point, target }) {
+    const [one, support, { tables, pins }] = [{ table, point }, store.get("support"), store.get("sheet")];
+    const members = isChosen(support, one) ? membersOf(support) : [one];
+    drag = { target, members, tables, pins, y: event.clientY };
+    if (event.ctrlKey || event.metaKey) return store.set({ support: withChosen(support, one) });
+    if (members.length === 1) store.set({ support: one });
+    edits.begin();
   }
 
   function starUnder(event) {
@@ -138,18 +130,12 @@ export function listenToView(view, { store, edits, tools }) {
     const sheet = store.get("sheet");
     if (!sheet || !view.shape || store.get("tool") !== "needles") return null;
     const [px, py] = view.place(event);
-    let best = null;
-    sheet.tables.forEach((table, number) => {
-      if (!isPoints(table)) return;
-      const targets = targetsOf(table, sheet.pins[number]);
-      pointsOf(table, sheet.pins[number]).forEach((_, point) => {
-        const target = targets[point];
-        const [x, y] = view.camera.project(headOf(target), view.aspect);
-        const away = Math.hypot(((x - px) * canvas.clientWidth) / 2, ((y - py) * canvas.clientHeight) / 2);
-        if (away < GRIP_PX && (!best || away < best.away)) best = { table: number, point, target, away };
-      });
+    const needles = needlesOf(sheet).filter(({ table }) => isPoints(sheet.tables[table]));
+    const seen = needles.map((one) => {
+      const [x, y] = view.camera.project(headOf(one.target), view.aspect);
+      return { ...one, away: Math.hypot(((x - px) * canvas.clientWidth) / 2, ((y - py) * canvas.clientHeight) / 2) };
     });
-    return best;
+    return nearest(seen, GRIP_PX);
   }
 
   function liftTo(event) {

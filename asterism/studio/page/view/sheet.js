@@ -5,26 +5,16 @@ export function vertexNormals(positions, triangles) {
   const normals = new Float32Array(positions.length);
   for (let t = 0; t < triangles.length; t += 3) {
     const [a, b, c] = [3 * triangles[t], 3 * triangles[t + 1], 3 * triangles[t + 2]];
-    const ux = positions[b] - positions[a],
-      uy = positions[b + 1] - positions[a + 1],
-      uz = positions[b + 2] - positions[a + 2];
-    const vx = positions[c] - positions[a],
-      vy = positions[c + 1] - positions[a + 1],
-      vz = positions[c + 2] - positions[a + 2];
-    const nx = uy * vz - uz * vy,
-      ny = uz * vx - ux * vz,
-      nz = ux * vy - uy * vx;
-    for (const k of [a, b, c]) {
-      normals[k] += nx;
-      normals[k + 1] += ny;
-      normals[k + 2] += nz;
+    for (let k = 0; k < 3; k++) {
+      const [i, j] = [(k + 1) % 3, (k + 2) % 3];
+      const [u, v] = [positions[b + i] - positions[a + i], positions[c + j] - positions[a + j]];
+      const [w, z] = [positions[b + j] - positions[a + j], positions[c + i] - positions[a + i]];
+      for (const corner of [a, b, c]) normals[corner + k] += u * v - w * z;
     }
   }
   for (let k = 0; k < normals.length; k += 3) {
     const length = Math.hypot(normals[k], normals[k + 1], normals[k + 2]) || 1;
-    normals[k] /= length;
-    normals[k + 1] /= length;
-    normals[k + 2] /= length;
+    for (let c = 0; c < 3; c++) normals[k + c] /= length;
   }
   return normals;
 }

@@ -1,5 +1,6 @@
 // The sheet in space: takes frames, draws on demand, turns the camera, finds the star under the pointer.
 
+import { DARK, isDark } from "../dom.js";
 import { Renderer } from "./gl.js";
 import { Camera } from "./camera.js";
 import { box, contours, fieldValues, vertexNormals } from "./sheet.js";
@@ -85,7 +86,7 @@ export class View {
       this.invalidate();
     });
     const { signal } = this.#ended;
-    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.invalidate(), { signal });
+    matchMedia(DARK).addEventListener("change", () => this.invalidate(), { signal });
   }
 
   /** A binary frame of the server. */
@@ -334,12 +335,11 @@ export class View {
   #surfaces(isQuick) {
     const { isGrey } = this;
     const [front, back] = isGrey ? GREY : FABRIC;
-    const isDark = getComputedStyle(this.canvas).colorScheme.trim() === "dark";
     const coloured = this.isColoured && !isGrey ? 1 : 0;
     const sheet = { surface: this.sheetSurface, coloured, weave: coloured ? 0 : 0.04 };
     const surfaces = [];
     if (this.camera.eye[2] > this.#level)
-      surfaces.push({ surface: this.boardSurface, base: BOARDS[isDark ? "dark" : "light"], line: [...INK, 0.45] });
+      surfaces.push({ surface: this.boardSurface, base: BOARDS[isDark(this.canvas) ? "dark" : "light"], line: [...INK, 0.45] });
     const top = { ...sheet, base: front, back, line: [...INK, 0.8], casts: true };
     if (isQuick) surfaces.push(top);
     else

@@ -15,8 +15,7 @@ SHARE = """(name) => {
     const canvas = document.getElementById("plan-canvas");
     const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
     const style = getComputedStyle(document.documentElement);
-    const hex = (name) => style.getPropertyValue(`--${name}`).trim();
-    const part = (name) => [1, 3, 5].map((at) => parseInt(hex(name).slice(at, at + 2), 16));
+    const part = (name) => style.getPropertyValue(`--${name}`).match(/\\d+/g).map(Number);
     const [paper, weight] = [part("paper"), part("weight")];
     const wanted = paper.map((value, k) => value + 0.55 * (weight[k] - value));
     let count = 0;

@@ -1,10 +1,16 @@
-// What several tools share: the sheet and the keyboard's star, snapping, lines and discs of the plan.
+// What several tools share: the sheet and the keyboard's star, what a press does, snapping.
 
-import { distance, nearestOnSegment, roundPoint } from "../../geometry.js";
+import { distance, nearest, nearestOnSegment, roundPoint } from "../../geometry.js";
+import { label } from "../pen.js";
 
-/** A tool of the plan. It has a `hint`, and takes pointers in printed mm: down, move, up, cancel, hover, leave. */
+/**
+ * A tool of the plan. It has a `hint`, and takes pointers in printed mm: down, move, up, cancel, hover, leave. What is
+ * edited between down and up is one step; cancel calls it off.
+ */
 export class PlanTool {
   cursor = "crosshair";
+  drag = null; // what is dragged
+  ghost = null; // what a click would make where the pointer is
 
   constructor({ plan, store, edits }) {
     Object.assign(this, { plan, store, edits });
@@ -18,6 +24,29 @@ export class PlanTool {
   get star() {
     return this.sheet?.byKey.get(this.store.get("cursor"));
   }
+
+  up() {
+    this.drag = null;
+    this.edits.end();
+    this.plan.invalidate();
+  }
+
+  cancel() {
+    this.drag = null;
+    this.edits.cancel();
+    this.plan.invalidate();
+  }
+
+  leave() {
+    this.ghost = null;
+    this.plan.invalidate();
+  }
+
+  /** A label beside a place on the sheet. */
+  say(paint, text, at, [dx, dy] = [12, -12], colour = "accent") {
+    const [x, y] = this.plan.toScreen(at);
+    label(paint, text, [x + dx, y + dy], "left", colour);
+  }
 }
 
 const SNAP_PX = 9;
@@ -28,16 +57,12 @@ export function snapped(event, plan, { points = [], lines = [], alignTo = [] } =
   const { store } = plan;
   if (store.get("snap") === event.alt) return { at: roundPoint(event.at, 2), kind: null };
   const reach = plan.px(SNAP_PX);
-  let best = null;
-  for (const { at, kind } of points) {
-    const away = distance(event.at, at);
-    if (away < reach && (!best || away < best.away)) best = { at, kind, away };
-  }
-  if (best) return best;
-  for (const [a, b] of lines) {
+  const onLine = ([a, b]) => {
     const { point, distance: away } = nearestOnSegment(event.at, a, b);
-    if (away < reach && (!best || away < best.away)) best = { at: roundPoint(point), kind: "edge", away };
-  }
+    return { at: roundPoint(point), kind: "edge", away };
+  };
+  const seen = points.map((one) => ({ ...one, away: distance(event.at, one.at) }));
+  const best = nearest(seen, reach) ?? nearest(lines.map(onLine), reach);
   if (best) return best;
   const at = event.at.map((value, axis) => {
     const near = alignTo.map((other) => other[axis]).find((other) => Math.abs(other - value) < reach);
@@ -58,37 +83,4 @@ export function starsWithin(sheet, places, radius) {
     if (away < radius) found.push({ star, away });
   }
   return found;
-}
-
-/** A disc on the screen, as the path to be filled or drawn. */
-export function disc(context, [x, y], radius) {
-  context.beginPath();
-  context.arc(x, y, radius, 0, 2 * Math.PI);
-}
-
-export const circle = (context, plan, centre, radiusMm) =>
-  disc(context, plan.toScreen(centre), Math.max(1, radiusMm * plan.scale));
-
-/** Pieces of lines on the screen, [from, to] each, as the path to be drawn. */
-export function segments(context, pieces) {
-  context.beginPath();
-  for (const [from, to] of pieces) {
-    context.moveTo(...from);
-    context.lineTo(...to);
-  }
-}
-
-/** Draws along the path with a pen. */
-export function stroke(context, { colour, width = 1, dash = [], alpha = 1 }) {
-  Object.assign(context, { strokeStyle: colour, lineWidth: width, globalAlpha: alpha });
-  context.setLineDash(dash);
-  context.stroke();
-  context.setLineDash([]);
-  context.globalAlpha = 1;
-}
-
-export function polyline(context, plan, points, isClosed = false) {
-  context.beginPath();
-  points.forEach((point, k) => context[k ? "lineTo" : "moveTo"](...plan.toScreen(point)));
-  if (isClosed) context.closePath();
 }

@@ -3,8 +3,8 @@
 import { distance, roundPoint, round } from "../../geometry.js";
 import { QUANTITIES, fixed } from "../../format.js";
 import { sizeAt, sizeTarget, sizeTargets } from "../../sheet.js";
-import { PlanTool, circle, disc, polyline, stroke } from "./common.js";
-import { label } from "../draw.js";
+import { circle, disc, label, polyline } from "../pen.js";
+import { PlanTool } from "./common.js";
 
 const GRIP_PX = 12;
 
@@ -78,7 +78,7 @@ export class GradientTool extends PlanTool {
   cancel() {
     if (this.#end < 0) return;
     this.#end = -1;
-    this.edits.cancel();
+    super.cancel();
     this.read();
   }
 
@@ -141,8 +141,7 @@ export class GradientTool extends PlanTool {
     const target = sheet && sizeTargets(sheet.design).find(({ path }) => path === this.path);
     if (!target?.name) return;
     for (const rod of sheet.rods.filter(({ name }) => name === target.name)) {
-      polyline(context, plan, rod.points_mm);
-      stroke(context, { colour: colour("accent"), width: 2 });
+      polyline(context, plan, rod.points_mm, { colour: colour("accent"), width: 2 });
     }
   }
 
@@ -153,18 +152,13 @@ export class GradientTool extends PlanTool {
     const { kind, from, to, quantity } = this.settings;
     const { digits } = QUANTITIES[quantity];
     const pen = { colour: colour("accent"), width: 2 };
-    polyline(context, plan, [start, end]);
-    stroke(context, pen);
+    polyline(context, plan, [start, end], pen);
     if (kind === "radial") {
-      circle(context, plan, start, distance(start, end));
-      stroke(context, { ...pen, width: 1, dash: [5, 4] });
+      circle(context, plan, start, distance(start, end), { ...pen, width: 1, dash: [5, 4] });
     }
     for (const [point, value] of [[start, from], [end, to]]) {
       const [x, y] = plan.toScreen(point);
-      disc(context, [x, y], 6);
-      context.fillStyle = colour("paper");
-      context.fill();
-      stroke(context, pen);
+      disc(context, [x, y], 6, { ...pen, fill: colour("paper") });
       label({ context, colour }, `${fixed(value, digits)} mm`, [x + 10, y - 10], "left", "accent");
     }
   }

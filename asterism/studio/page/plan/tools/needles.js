@@ -1,13 +1,14 @@
 // Needles: click places one, drag moves it (and where it is taken to), Shift+drag or the wheel lifts it. Ctrl+click
 // chooses several, which move together; so do the needles of a group.
 
-import { distance } from "../../geometry.js";
+import { isDelete } from "../../dom.js";
+import { distance, nearest } from "../../geometry.js";
 import { fixed } from "../../format.js";
 import {
   isChosen,
   isPoints,
   membersOf,
-  pointsOf,
+  needlesOf,
   targetsOf,
   usualScale,
   withChosen,
@@ -17,8 +18,8 @@ import {
   withShifted,
   withoutNeedle,
 } from "../../supports.js";
-import { PlanTool, disc, edgesOf, snapped, stroke } from "./common.js";
-import { label } from "../draw.js";
+import { disc } from "../pen.js";
+import { PlanTool, edgesOf, snapped } from "./common.js";
 
 const GRIP_PX = 12;
 const LIFT_STEP_MM = 1;
@@ -26,30 +27,18 @@ const SAME_PLACE_MM = 0.5;
 const LEAST_STEP_MM = 4; // from a needle to its copy
 
 export class NeedleTool extends PlanTool {
-  #drag = null;
-  #ghost = null;
-
   get hint() {
     return "Click: a needle\u00a0· drag it or its cross\u00a0· Shift+drag lifts\u00a0· Ctrl+click chooses several";
   }
 
   /** The needle (or its cross) under the pointer. */
   #under(event) {
-    const sheet = this.sheet;
     const reach = this.plan.px(event.isTouch ? 2 * GRIP_PX : GRIP_PX);
-    let best = null;
-    sheet.tables.forEach((table, number) => {
-      const shown = sheet.pins[number];
-      const targets = targetsOf(table, shown);
-      pointsOf(table, shown).forEach((at, point) => {
-        for (const [part, place] of Object.entries({ point: at, target: targets[point] })) {
-          const away = place ? distance(event.at, place) : Infinity;
-          if (away < reach && (!best || away < best.away))
-            best = { table: number, point, part, away, at, target: targets[point] };
-        }
-      });
-    });
-    return best;
+    const parts = needlesOf(this.sheet).flatMap((one) => [
+      { ...one, part: "point", away: distance(event.at, one.at) },
+      { ...one, part: "target", away: one.target ? distance(event.at, one.target) : Infinity },
+    ]);
+    return nearest(parts, reach);
   }
 
   down(event) {
@@ -64,7 +53,8 @@ export class NeedleTool extends PlanTool {
       this.edits.begin();
       const isAlone = members.length === 1 && one.point !== null;
       const { tables, pins } = sheet;
-      this.#drag = { ...hit, start: event.at, pixel: event.pixel, scale: usualScale(sheet), ...(isAlone ? {} : { members, tables, pins }) };
+      const group = isAlone ? {} : { members, tables, pins };
+      this.drag = { ...hit, start: event.at, pixel: event.pixel, scale: usualScale(sheet), ...group };
       return;
     }
     this.edits.begin();
@@ -72,13 +62,13 @@ export class NeedleTool extends PlanTool {
     const target = this.#target(at);
     const { tables, support } = withNeedle(sheet.tables, sheet.pins, at, target);
     this.store.set({ support });
-    this.#drag = { ...support, part: "point", at, target, start: at, pixel: event.pixel, scale: usualScale(sheet) };
+    this.drag = { ...support, part: "point", at, target, start: at, pixel: event.pixel, scale: usualScale(sheet) };
     this.#send(tables);
   }
 
   move(event) {
-    if (!this.#drag) return;
-    const { part, at, target, start, pixel, scale, members, tables, pins } = this.#drag;
+    if (!this.drag) return;
+    const { part, at, target, start, pixel, scale, members, tables, pins } = this.drag;
     const sheet = this.sheet;
     const height = Math.max(0, Math.round(2 * (target[2] + this.plan.px(pixel[1] - event.pixel[1]))) / 2);
     if (members) {
@@ -95,29 +85,13 @@ export class NeedleTool extends PlanTool {
         target: [target[0] + scale * (moved[0] - at[0]), target[1] + scale * (moved[1] - at[1]), target[2]],
       };
     }
-    this.#send(withMoved(sheet.tables, sheet.pins, this.#drag, change));
-  }
-
-  up() {
-    if (!this.#drag) return;
-    this.#drag = null;
-    this.edits.end();
-  }
-
-  cancel() {
-    this.#drag = null;
-    this.edits.cancel();
+    this.#send(withMoved(sheet.tables, sheet.pins, this.drag, change));
   }
 
   hover(event) {
     const hit = this.#under(event);
-    this.#ghost = hit ? null : this.#snap(event);
+    this.ghost = hit ? null : this.#snap(event);
     this.plan.canvas.style.cursor = hit ? "move" : "crosshair";
-    this.plan.invalidate();
-  }
-
-  leave() {
-    this.#ghost = null;
     this.plan.invalidate();
   }
 
@@ -129,7 +103,7 @@ export class NeedleTool extends PlanTool {
   key(event) {
     const step = { PageUp: LIFT_STEP_MM, PageDown: -LIFT_STEP_MM }[event.key];
     if (step) return this.lift(step);
-    if (event.key === "Delete" || event.key === "Backspace") return this.remove();
+    if (isDelete(event)) return this.remove();
     if (event.key === "Enter") return this.placeAtStar();
     return false;
   }
@@ -203,21 +177,19 @@ export class NeedleTool extends PlanTool {
   }
 
   draw(context, plan, colour) {
-    if (this.#drag && !this.#drag.members) {
-      const sheet = this.sheet;
-      const table = sheet.tables[this.#drag.table];
-      if (!table?.points_mm?.[this.#drag.point]) return;
-      const [x, y] = plan.toScreen(table.points_mm[this.#drag.point]);
-      const place = targetsOf(table, sheet.pins[this.#drag.table])[this.#drag.point];
+    const paint = { context, colour };
+    if (this.drag && !this.drag.members) {
+      const { table: number, point } = this.drag;
+      const table = this.sheet.tables[number];
+      if (!table?.points_mm?.[point]) return;
+      const place = targetsOf(table, this.sheet.pins[number])[point];
       const said = `to ${place.map((value) => fixed(value)).join(", ")} mm`;
-      label({ context, colour }, said, [x + 12, y + 20], "left", "needle");
-    } else if (this.#ghost) {
-      const [x, y] = plan.toScreen(this.#ghost.at);
-      disc(context, [x, y], 5);
-      stroke(context, { colour: colour("needle"), width: 1.5 });
-      const { kind, at } = this.#ghost;
+      this.say(paint, said, table.points_mm[point], [12, 20], "needle");
+    } else if (this.ghost) {
+      const { kind, at } = this.ghost;
+      disc(context, plan.toScreen(at), 5, { colour: colour("needle"), width: 1.5 });
       const said = kind && kind !== "grid" ? kind : at.map((value) => fixed(value)).join(", ");
-      label({ context, colour }, said, [x + 10, y - 8], "left", "muted");
+      this.say(paint, said, at, [10, -8], "muted");
     }
   }
 }

@@ -3,9 +3,10 @@
 
 import { borderOf, circleOf, curvesOf, holesOf, leavesFabric, withCurve, withHole, withoutHole } from "../../border.js";
 import { clamp, crossesItself, distance, ellipse, isInside, nearestEdge, nearestIndex, roundPoint } from "../../geometry.js";
+import { isDelete, signOf } from "../../dom.js";
 import { toast } from "../../panels/toasts.js";
-import { PlanTool, circle, disc, polyline, snapped, stroke } from "./common.js";
-import { label } from "../draw.js";
+import { circle, disc, polyline } from "../pen.js";
+import { PlanTool, snapped } from "./common.js";
 import { fixed } from "../../format.js";
 
 const GRIP_PX = 12;
@@ -13,12 +14,11 @@ const CLICK_PX = 4;
 const LEAST_RADIUS_MM = 2; // of a hole that is drawn
 const MAX_ASPECT = 20; // of the half axes of an ellipse
 
+/**
+ * `drag`: a corner, as {corners, index}; a curve, or a new hole without one, as {curve, part, start, sheet}, with the
+ * sheet before. `ghost`: the place of a new corner.
+ */
 export class OutlineTool extends PlanTool {
-  #corners = null; // while a corner is dragged
-  #index = -1;
-  #drag = null; // of a curve, or of a new hole without one: {curve, part, start, sheet}, the sheet before
-  #edge = null;
-
   get hint() {
     const isRound = this.sheet?.design.border?.circle_mm;
     const outline = isRound ? "Drag handles\u00a0· Shift: one axis" : "Drag corners\u00a0· click an edge to add one";
@@ -74,30 +74,29 @@ export class OutlineTool extends PlanTool {
       this.#send();
     } else {
       this.store.set({ corner: null, hole: curve?.hole ?? null });
-      this.#drag = { curve, part, start: event.at, sheet: this.sheet };
+      this.drag = { curve, part, start: event.at, sheet: this.sheet };
     }
   }
 
   #begin(corners, index) {
     this.edits.begin();
-    this.#corners = corners;
-    this.#index = index;
+    this.drag = { corners, index };
     this.store.set({ corner: index, hole: null });
   }
 
   move(event) {
-    if (this.#drag) return this.#moveCurve(event);
-    if (!this.#corners) return;
-    const others = this.#corners.filter((_, k) => k !== this.#index);
-    const { at } = snapped(event, this.plan, { alignTo: others });
-    const before = this.#corners[this.#index];
-    this.#corners[this.#index] = at;
-    if (crossesItself(this.#corners)) this.#corners[this.#index] = before;
+    if (!this.drag) return;
+    const { corners, index } = this.drag;
+    if (!corners) return this.#moveCurve(event);
+    const { at } = snapped(event, this.plan, { alignTo: corners.toSpliced(index, 1) });
+    const before = corners[index];
+    corners[index] = at;
+    if (crossesItself(corners)) corners[index] = before;
     else this.#send();
   }
 
   #moveCurve(event) {
-    const { curve, part, start, sheet } = this.#drag;
+    const { curve, part, start, sheet } = this.drag;
     if (!this.edits.isOpen && distance(event.at, start) < this.plan.px(CLICK_PX)) return;
     const points = sheet.stars.map(({ at }) => ({ at, kind: "star" }));
     const snap = (at, isGrid) => snapped({ ...event, at }, this.plan, isGrid ? {} : { points }).at;
@@ -155,19 +154,8 @@ export class OutlineTool extends PlanTool {
     this.store.set({ hole: null, support: null }); // the number of a support may have changed
   }
 
-  up() {
-    this.#corners = this.#drag = null;
-    this.edits.end();
-    this.plan.invalidate();
-  }
-
-  cancel() {
-    this.#corners = this.#drag = null;
-    this.edits.cancel();
-  }
-
   #send() {
-    const corners = this.#corners.map((corner) => [...corner]);
+    const corners = this.drag.corners.map((corner) => [...corner]);
     const border = borderOf(this.sheet.design, { polygon_mm: corners.map((corner) => roundPoint(corner)) });
     this.edits.design({ border }, { outline: corners });
   }
@@ -175,13 +163,8 @@ export class OutlineTool extends PlanTool {
   hover(event) {
     if (!this.sheet) return;
     const { corner, edge, curve } = this.#under(event);
-    this.#edge = edge?.point ?? null;
+    this.ghost = edge?.point ?? null;
     this.plan.canvas.style.cursor = edge ? "copy" : corner !== undefined || curve ? "move" : "crosshair";
-    this.plan.invalidate();
-  }
-
-  leave() {
-    this.#edge = null;
     this.plan.invalidate();
   }
 
@@ -189,14 +172,14 @@ export class OutlineTool extends PlanTool {
     const { star } = this;
     const corner = this.store.get("corner");
     const hole = this.chosenHole();
-    const step = { "+": 1, "=": 1, "-": -1 }[event.key];
+    const step = signOf(event);
     if (event.key === "Insert" && corner !== null) return this.addCorner(corner);
     if (event.key === "Enter" && star) return this.addHole(star) || true;
     if (step && hole?.axes) {
       if (Math.min(...hole.axes) + step >= 1) this.setCurve(hole, { axes: hole.axes.map((value) => value + step) });
       return true;
     }
-    if (event.key !== "Delete" && event.key !== "Backspace") return false;
+    if (!isDelete(event)) return false;
     if (hole) this.removeHole();
     else this.removeCorner();
     return true;
@@ -244,28 +227,20 @@ export class OutlineTool extends PlanTool {
       context.strokeRect(x - 4.5, y - 4.5, 9, 9);
     }
     for (const star of this.sheet.stars.filter(({ isCut }) => isCut)) {
-      circle(context, plan, star.at, 0.46 * this.sheet.spacing);
-      stroke(context, { colour: colour("warn"), width: 2, dash: [2, 4] });
+      circle(context, plan, star.at, 0.46 * this.sheet.spacing, { colour: colour("warn"), width: 2, dash: [2, 4] });
     }
     const hole = this.chosenHole();
-    if (hole) {
-      polyline(context, plan, hole.ring, true);
-      stroke(context, { colour: colour("accent"), width: 2 });
-    }
+    if (hole) polyline(context, plan, hole.ring, { isClosed: true, colour: colour("accent"), width: 2 });
     for (const { part, at } of this.#handles()) dot(paint, plan.toScreen(at), part === "centre" ? "accent" : "paper");
-    if (this.#edge) dot(paint, plan.toScreen(this.#edge), "accent");
-    if (this.#corners) {
-      const at = this.#corners[this.#index];
-      drawCross(paint, plan, at);
-      const [x, y] = plan.toScreen(at);
-      label(paint, `${fixed(at[0])}, ${fixed(at[1])} mm`, [x + 12, y - 12], "left", "accent");
-    } else if (this.#drag && this.edits.isOpen) {
-      const hole = this.store.get("hole");
-      const curve = curvesOf(this.sheet).find((one) => one.hole === hole);
-      if (!curve) return;
-      const [x, y] = plan.toScreen(curve.centre);
-      const said = this.#drag.part === "centre" ? `${curve.centre.map((value) => fixed(value)).join(", ")} mm` : sizeOf(curve);
-      label(paint, said, [x + 12, y - 12], "left", "accent");
+    if (this.ghost) dot(paint, plan.toScreen(this.ghost), "accent");
+    const { corners, index, part: dragged } = this.drag ?? {};
+    const place = (at) => `${at.map((value) => fixed(value)).join(", ")} mm`;
+    if (corners) {
+      drawCross(paint, plan, corners[index]);
+      this.say(paint, place(corners[index]), corners[index]);
+    } else if (this.drag && this.edits.isOpen) {
+      const curve = curvesOf(this.sheet).find((one) => one.hole === this.store.get("hole"));
+      if (curve) this.say(paint, dragged === "centre" ? place(curve.centre) : sizeOf(curve), curve.centre);
     }
   }
 }
@@ -278,17 +253,13 @@ export function sizeOf({ axes, ring }) {
 }
 
 function dot({ context, colour }, place, fill) {
-  disc(context, place, 5);
-  context.fillStyle = colour(fill);
-  context.fill();
-  stroke(context, { colour: colour("accent"), width: 2 });
+  disc(context, place, 5, { fill: colour(fill), colour: colour("accent"), width: 2 });
 }
 
 /** Lines through a place, for the eye. */
 function drawCross({ context, colour }, plan, [x, y]) {
   for (const [dx, dy] of [[3000, 0], [0, 3000]]) {
-    polyline(context, plan, [[x - dx, y - dy], [x + dx, y + dy]]);
-    stroke(context, { colour: colour("accent"), alpha: 0.4 });
+    polyline(context, plan, [[x - dx, y - dy], [x + dx, y + dy]], { colour: colour("accent"), alpha: 0.4 });
   }
 }
 

@@ -2,8 +2,8 @@
 
 import { distance } from "../../geometry.js";
 import { fixed, mm } from "../../format.js";
-import { PlanTool, polyline, segments, snapped, stroke } from "./common.js";
-import { label } from "../draw.js";
+import { label, polyline, segments } from "../pen.js";
+import { PlanTool, snapped } from "./common.js";
 
 export class RulerTool extends PlanTool {
   #line = null;
@@ -44,7 +44,7 @@ export class RulerTool extends PlanTool {
   cancel() {
     this.#isDown = false;
     this.#line = null;
-    this.plan.invalidate();
+    super.cancel();
   }
 
   #snap(event) {
@@ -57,12 +57,10 @@ export class RulerTool extends PlanTool {
     if (!this.#line || distance(...this.#line) === 0) return;
     const [a, b] = this.#line;
     const pen = { colour: colour("accent"), width: 2 };
-    polyline(context, plan, this.#line);
-    stroke(context, pen);
+    polyline(context, plan, this.#line, pen);
     const [ends, length] = [[plan.toScreen(a), plan.toScreen(b)], distance(a, b)];
     const across = [(-(b[1] - a[1]) / length) * 6, (-(b[0] - a[0]) / length) * 6];
-    segments(context, ends.map(([x, y]) => [[x - across[0], y - across[1]], [x + across[0], y + across[1]]]));
-    stroke(context, pen);
+    segments(context, ends.map(([x, y]) => [[x - across[0], y - across[1]], [x + across[0], y + across[1]]]), pen);
     const angle = (Math.atan2(b[1] - a[1], b[0] - a[0]) * 180) / Math.PI;
     const middle = [(ends[0][0] + ends[1][0]) / 2 + 10, (ends[0][1] + ends[1][1]) / 2 - 10];
     label({ context, colour }, `${mm(length)}, ${fixed(angle, 0)}°`, middle, "left", "accent");

@@ -1,43 +1,39 @@
 // Selection: click or lasso, with Shift also, with Alt no longer; double click for the ring.
 
 import { distance, isInside } from "../../geometry.js";
-import { PlanTool, polyline, stroke } from "./common.js";
+import { draw, polyline } from "../pen.js";
+import { PlanTool } from "./common.js";
 
 const CLICK_PX = 4;
 
+/** `drag`: the path of the lasso. */
 export class SelectTool extends PlanTool {
   cursor = "default";
-  #path = null;
 
   get hint() {
     return "Click or lasso\u00a0· Shift adds\u00a0· Alt takes away\u00a0· double click: the ring";
   }
 
   down(event) {
-    this.#path = [event.at];
+    this.drag = [event.at];
   }
 
   move(event) {
-    if (!this.#path) return;
-    this.#path.push(event.at);
+    if (!this.drag) return;
+    this.drag.push(event.at);
     this.plan.invalidate();
   }
 
   up(event) {
-    if (!this.#path) return;
-    const path = this.#path;
-    this.#path = null;
+    if (!this.drag) return;
+    const path = this.drag;
+    this.drag = null;
     const sheet = this.sheet;
     const isLasso = Math.max(...path.map((at) => distance(at, path[0]))) > this.plan.px(CLICK_PX);
     let keys;
     if (isLasso) keys = sheet.stars.filter((star) => isInside(star.at, path)).map((star) => star.key);
     else keys = [sheet.starAt(event.at)?.key].filter(Boolean);
     this.#select(keys, event, !isLasso);
-    this.plan.invalidate();
-  }
-
-  cancel() {
-    this.#path = null;
     this.plan.invalidate();
   }
 
@@ -62,12 +58,10 @@ export class SelectTool extends PlanTool {
   }
 
   draw(context, plan, colour) {
-    if (!this.#path || this.#path.length < 2) return;
-    polyline(context, plan, this.#path, true);
-    context.fillStyle = colour("accent");
-    context.globalAlpha = 0.08;
-    context.fill();
-    stroke(context, { colour: colour("accent"), width: 1.5, dash: [4, 3] });
+    if (!this.drag || this.drag.length < 2) return;
+    const accent = colour("accent");
+    polyline(context, plan, this.drag, { isClosed: true, fill: accent, alpha: 0.08 });
+    draw(context, { colour: accent, width: 1.5, dash: [4, 3] });
   }
 }
 

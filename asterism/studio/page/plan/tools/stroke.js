@@ -2,8 +2,8 @@
 
 import { between, clamp, distance, images } from "../../geometry.js";
 import { RADII, brushOn } from "../../sheet.js";
-import { label } from "../draw.js";
-import { PlanTool, circle, disc, polyline, starsWithin, stroke } from "./common.js";
+import { circle, disc, polyline } from "../pen.js";
+import { PlanTool, starsWithin } from "./common.js";
 
 const DAB_SHARE = 0.2; // distance of two dabs over the radius
 const NONE = new Set();
@@ -128,21 +128,15 @@ export class StrokeTool extends PlanTool {
     const { radius, mode, strength } = this.brush;
     const symmetry = this.store.get("symmetry");
     const isEven = EVEN_MODES.includes(mode);
+    const accent = colour("accent");
+    const veil = { fill: accent, alpha: isEven ? 0.07 : (0.3 * strength + 0.03) / FALLOFF_STEPS };
     images(this.#at, symmetry).forEach((place, k) => {
-      context.fillStyle = colour("accent");
-      context.globalAlpha = isEven ? 0.07 : (0.3 * strength + 0.03) / FALLOFF_STEPS;
-      for (let step = 0; step < (isEven ? 1 : FALLOFF_STEPS); step++) {
-        circle(context, plan, place, radius * reachOf(step / FALLOFF_STEPS));
-        context.fill();
-      }
-      circle(context, plan, place, radius);
-      stroke(context, { colour: colour("accent"), width: 1.5, alpha: k ? 0.5 : 1 });
+      for (let step = 0; step < (isEven ? 1 : FALLOFF_STEPS); step++)
+        circle(context, plan, place, radius * reachOf(step / FALLOFF_STEPS), veil);
+      circle(context, plan, place, radius, { colour: accent, width: 1.5, alpha: k ? 0.5 : 1 });
     });
-    const [x, y] = plan.toScreen(this.#at);
-    context.fillStyle = colour("accent");
-    disc(context, [x, y], 2);
-    context.fill();
-    label({ context, colour }, this.said(), [x + 10, y - 8], "left", "accent");
+    disc(context, plan.toScreen(this.#at), 2, { fill: accent });
+    this.say({ context, colour }, this.said(), this.#at, [10, -8]);
     drawAxes(context, plan, colour, symmetry);
   }
 }
@@ -156,7 +150,6 @@ function drawAxes(context, plan, colour, { mirrorX, mirrorY, sixfold }) {
   if (sixfold) angles.push(0, 60, 120);
   for (const degrees of angles) {
     const end = [reach * Math.cos((degrees * Math.PI) / 180), reach * Math.sin((degrees * Math.PI) / 180)];
-    polyline(context, plan, [end.map((value) => -value), end]);
-    stroke(context, { colour: colour("accent"), dash: [6, 6], alpha: 0.35 });
+    polyline(context, plan, [end.map((value) => -value), end], { colour: colour("accent"), dash: [6, 6], alpha: 0.35 });
   }
 }

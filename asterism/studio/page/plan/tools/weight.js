@@ -1,9 +1,10 @@
 // The brush of weights: paints where a fit comes nearer to the target.
 
+import { signOf } from "../../dom.js";
 import { times } from "../../format.js";
 import { clamp, falloff, images } from "../../geometry.js";
 import { announce } from "../../panels/toasts.js";
-import { label } from "../draw.js";
+import { label } from "../pen.js";
 import { starsWithin } from "./common.js";
 import { StrokeTool } from "./stroke.js";
 
@@ -23,10 +24,9 @@ export class WeightTool extends StrokeTool {
   /** + and − change the weight at the star of the keyboard. */
   key(event) {
     const { sheet, star } = this;
-    const factor = { "+": KEY_FACTOR, "=": KEY_FACTOR, "-": 1 / KEY_FACTOR }[event.key];
-    if (!factor) return super.key(event);
+    if (!signOf(event)) return super.key(event);
     if (star) {
-      const weight = this.#allowed(sheet, star.weight * factor);
+      const weight = this.#allowed(sheet, star.weight * KEY_FACTOR ** signOf(event));
       this.edits.once(() => this.edits.weigh(new Map([[star.key, weight]])));
       announce(`Weight ${times(weight)}`);
     }
