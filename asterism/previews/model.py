@@ -33,12 +33,12 @@ class PreviewModel:
     Attributes
     ----------
     parts : of `PARTS`.
-    anisotropy_share : of the cells' difference between directions, that acts in sheets (`fields/directional.py`); a
+    anisotropy_share : of the cells' difference between directions, that acts in sheets (`sheet_fields.directions`); a
         choice among shares, on 18 free sheets of four to six arms or on a square lattice.
-    sixfold_factor : sixfold term of sheets over that of cells (`fields/roll_axis.py`); fitted on fig8-l-increasing,
+    sixfold_factor : sixfold term of sheets over that of cells (`sheet_fields.roll_axis`); fitted on fig8-l-increasing,
         fig8-l-decreasing, random-39, tube.
-    gaussian_area : of the Gaussian modulus, in squared spacings (`fields/self_stress.py`); fitted on ribbons and free
-        caps. Flat sheets give 1/100 to 1/59.
+    gaussian_area : of the Gaussian modulus, in squared spacings (`sheet_fields.self_stress`); fitted on ribbons and
+        free caps. Flat sheets give 1/100 to 1/59.
     smoothing_per_arm : width of the Gaussian over the length of the arms (`fields/star_cells.py`); fitted on random-10,
         random-04, random-44, fig8-h-increasing.
     rim_arm_among : share that an arm carries into a free rim if it leads to another star (`fields/rim_arms.py`); fitted

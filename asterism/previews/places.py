@@ -1,4 +1,4 @@
-"""Positions of printed points in space and on the smooth surface, and the lenses that compute them.
+"""Positions of printed points in space and on the smooth surface, and the lens that computes them.
 
 After an edit that keeps the print, a lens computes again only what depends on the changed stars.
 """
@@ -17,27 +17,48 @@ from asterism.pattern.mesh.mesh import Mesh
 
 
 @dataclass(frozen=True)
-class SmoothSurface:
-    """The smooth surface at n printed points.
+class Places:
+    """Positions of n printed points in space, and the smooth surface of the shell there.
 
     Attributes
     ----------
-    places : (n, 3) mm, positions.
+    smooth : (n, 3) mm, positions on the smooth surface.
     tangents : (n, 2, 3) derivatives of the position by the printed coordinates.
     seconds : (n, 3, 3) 1/mm, second derivatives 11, 22, 12.
     normals : (n, 3) unit normals on the plastic side.
     area : (n,) area of the surface per printed area.
     mean_curvature, gaussian_curvature : (n,) 1/mm and 1/mm^2; the mean curvature is positive where the plastic side is
         convex.
+    bumps : (n, 3) mm, vectors from there to the sheet with its bumps; zero for the sheet of a motif.
     """
 
-    places: Floats
+    smooth: Floats
     tangents: Floats
     seconds: Floats
     normals: Floats
     area: Floats
     mean_curvature: Floats
     gaussian_curvature: Floats
+    bumps: Floats
+
+    @classmethod
+    def at(cls, points: Evaluation, x: Floats) -> Self:
+        """The smooth surface at the points of an evaluation, for degrees of freedom x (N, 3) of the shell."""
+        jets = points.jets(x)
+        first, second = jets[:, 1:3], jets[:, 3:]
+        cross = np.cross(first[:, 0], first[:, 1])
+        area = np.linalg.norm(cross, axis=1)
+        normals = cross / area[:, None]
+        a11, a22, a12 = (np.einsum("nc,nc->n", first[:, i], first[:, j]) for i, j in ((0, 0), (1, 1), (0, 1)))
+        b11, b22, b12 = np.einsum("nkc,nc->kn", second, normals)
+        mean = -0.5 * (a22 * b11 + a11 * b22 - 2.0 * a12 * b12) / area**2
+        gaussian = (b11 * b22 - b12**2) / area**2
+        return cls(jets[:, 0], first, second, normals, area, mean, gaussian, np.zeros(normals.shape))
+
+    @property
+    def bumpy(self) -> Floats:
+        """(n, 3) mm, positions with bumps."""
+        return self.smooth + self.bumps
 
     def moved(self, shift: Floats) -> Floats:
         """(n, 3) mm, displacement on the surface for a shift (n, 2) mm in print, to second order."""
@@ -45,43 +66,6 @@ class SmoothSurface:
         square = np.column_stack([0.5 * one**2, 0.5 * two**2, one * two])
         first = np.einsum("ni,nic->nc", shift, self.tangents)
         return np.asarray(first + np.einsum("nk,nkc->nc", square, self.seconds))
-
-
-def smooth_surface(at: Evaluation, x: Floats) -> SmoothSurface:
-    """The smooth surface at the points of an evaluation, for degrees of freedom x (N, 3) of the shell."""
-    jets = at.jets(x)
-    first, second = jets[:, 1:3], jets[:, 3:]
-    cross = np.cross(first[:, 0], first[:, 1])
-    area = np.linalg.norm(cross, axis=1)
-    normals = cross / area[:, None]
-    a11, a22, a12 = (np.einsum("nc,nc->n", first[:, i], first[:, j]) for i, j in ((0, 0), (1, 1), (0, 1)))
-    b11, b22, b12 = np.einsum("nkc,nc->kn", second, normals)
-    mean = -0.5 * (a22 * b11 + a11 * b22 - 2.0 * a12 * b12) / area**2
-    return SmoothSurface(jets[:, 0], first, second, normals, area, mean, (b11 * b22 - b12**2) / area**2)
-
-
-@dataclass(frozen=True)
-class Places:
-    """Positions of n printed points in space.
-
-    Attributes
-    ----------
-    surface : the smooth surface of the shell.
-    bumps : (n, 3) mm, vectors from there to the sheet with its bumps; zero for the sheet of a motif.
-    """
-
-    surface: SmoothSurface
-    bumps: Floats
-
-    @property
-    def smooth(self) -> Floats:
-        """(n, 3) mm, positions on the smooth surface."""
-        return self.surface.places
-
-    @property
-    def bumpy(self) -> Floats:
-        """(n, 3) mm, positions with bumps."""
-        return self.smooth + self.bumps
 
 
 class SheetLens:
@@ -102,10 +86,11 @@ class SheetLens:
         if self.points.shape[1:] != (2,) or not np.isfinite(self.points).all():
             wrong = f"got shape {self.points.shape}"
             raise ValueError(f"points must be finite pairs of mm on the print, shape (n, 2), {wrong}")
-        self._at = sheet.space.locate(self.points)
+        self._at: Evaluation = sheet.space.locate(self.points)
         self.sheet = sheet
+        self._follow(None)
 
-    def renewed(self, sheet: Any) -> Self:
+    def renewed(self, sheet: Any) -> SheetLens:
         """The lens of the same points on another sheet; after an edit that keeps the print, unchanged parts are shared.
 
         Raises
@@ -118,20 +103,16 @@ class SheetLens:
         if sheet.space is not self.sheet.space:
             return sheet.lens(self.points)  # type: ignore[no-any-return]
         lens = copy(self)
-        lens._follow(sheet)
+        lens.sheet = sheet
+        lens._follow(self.sheet)
         return lens
 
-    def _follow(self, sheet: Any) -> None:
-        """Take another sheet of the same print."""
-        self.sheet = sheet
-
-    def _smooth(self, x: Floats) -> SmoothSurface:
-        return smooth_surface(self._at, x)
+    def _follow(self, before: Any) -> None:
+        """Compute what the sheet has unlike an earlier one of the same print, or all without one."""
 
     def __call__(self, x: Floats) -> Places:
         """The positions of the points for degrees of freedom x (N, 3) of the shell."""
-        smooth = self._smooth(x)
-        return Places(smooth, np.zeros_like(smooth.places))
+        return Places.at(self._at, x)
 
 
 @dataclass(frozen=True)

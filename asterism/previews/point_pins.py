@@ -33,7 +33,7 @@ from asterism.fem.shell.hyperelastic import hyperelastic
 from asterism.homogenize.law.anisotropy import isotropic_constants
 from asterism.pattern.geometry.planar import triangle_angles
 from asterism.pattern.mesh.sheet_mesh import SheetMesh
-from asterism.previews.fields.star_places import StarPlaces
+from asterism.previews.fields.star_values import StarPlaces
 
 
 def stretched_fabric(fields: Fields, stiffness: Floats, bare: Floats) -> EnergyTerm:

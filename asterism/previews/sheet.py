@@ -8,25 +8,18 @@ from functools import cached_property
 from typing import Self
 
 import numpy as np
-from scipy.spatial import cKDTree
 
 from asterism.equilibrium.arrays import Floats
 from asterism.fem.shell.fields import FieldError, Fields
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.star_law import StarLaw
-from asterism.pattern.design.design import Design
 from asterism.pattern.layout.layout import Layout
-from asterism.previews.arms import FABRIC_BEYOND_TIP, Arms, arm_shares
-from asterism.previews.bumps import corrugation_heights, flattening
-from asterism.previews.fields.free_sides import free_normals
-from asterism.previews.fields.rim_arms import rim_curvature_share
+from asterism.previews.fields.rim_arms import free_normals, rim_curvature_share
 from asterism.previews.fields.sheet_fields import sheet_fields
 from asterism.previews.fields.star_cells import Shares, StarCells
-from asterism.previews.fields.star_places import StarPlaces
-from asterism.previews.fields.star_values import StarValues, star_values
-from asterism.previews.model import PreviewModel
-from asterism.previews.places import Places, SheetLens
+from asterism.previews.fields.star_values import StarPlaces, StarShares, StarValues, star_values
 from asterism.previews.print_sheet import PrintSheet
+from asterism.previews.star_lens import Arms, StarLens
 from asterism.results.words import PlacedWarning, star_numbers
 from asterism.shape.design_warnings import site_warnings, sizing_warnings
 
@@ -34,36 +27,6 @@ from asterism.shape.design_warnings import site_warnings, sizing_warnings
 ARM_SETBACK = 0.5
 # attributes of a layout that determine the positions of its arms
 ARM_PLACES = ("centres", "star_number", "arm_star", "arm_tip")
-
-
-@dataclass(frozen=True)
-class StarShares:
-    """The shares of the stars at the quadrature points (n, 2) mm of a sheet, and the normals of its free sides.
-
-    Attributes
-    ----------
-    cells : smoothed cells of the stars.
-    shares : shares of the stars at the points.
-    along_arms : direction (2,) of each arm, and the shares half a spacing back along it.
-    rim_normals : (n, 2) normals of free sides, from `asterism.previews.fields.free_sides.free_normals`.
-    carried : (S, N), see `asterism.previews.fields.rim_arms.rim_curvature_share`; None for supported sheets.
-    """
-
-    cells: StarCells
-    shares: Shares
-    along_arms: tuple[tuple[Floats, Shares], ...]
-    rim_normals: Floats
-    carried: Floats | None
-
-    @classmethod
-    def at(cls, points: Floats, design: Design, layout: Layout, model: PreviewModel) -> StarShares:
-        """The shares of a design's stars at printed points (n, 2) mm."""
-        lattice, cells = design.lattice, StarCells(layout, design.lattice, model)
-        back = ARM_SETBACK * lattice.spacing_mm
-        along = tuple((arm, Shares(cells, points - back * arm)) for arm in lattice.arm_directions)
-        normals, curls = free_normals(layout, points), not layout.is_supported_in_plane
-        part = rim_curvature_share(layout, lattice.arm_directions, model) if curls else None
-        return cls(cells, Shares(cells, points), along, normals, part)
 
 
 @dataclass(eq=False)
@@ -77,8 +40,20 @@ class Sheet(PrintSheet):
 
     @cached_property
     def stars(self) -> StarShares:
-        """Shares of the stars at the quadrature points."""
-        return StarShares.at(self.points, self.design, self.layout, self.model)
+        """The stars at the quadrature points."""
+        layout, lattice, model, points = self.layout, self.design.lattice, self.model, self.points
+        cells, back = StarCells(layout, lattice, model), ARM_SETBACK * lattice.spacing_mm
+        curls = not layout.is_supported_in_plane
+        return StarShares(
+            Shares(cells, points),
+            self.table.weights.shape,
+            lattice.arm_directions,
+            [Shares(cells, points - back * arm) for arm in lattice.arm_directions],
+            free_normals(layout, points),
+            rim_curvature_share(layout, lattice.arm_directions, model) if curls else None,
+            layout.spacing_mm,
+            model,
+        )
 
     @cached_property
     def values(self) -> StarValues:
@@ -113,19 +88,7 @@ class Sheet(PrintSheet):
         LawError
             The rest metric is not positive definite: adjacent stars contract too differently.
         """
-        stars, length = self.stars, values.sizes[:, 0]
-        places = StarPlaces(
-            stars.shares(length),
-            values,
-            self.table.weights.shape,
-            [(along, shares(length)) for along, shares in stars.along_arms],
-            stars.rim_normals,
-            stars.carried,
-            self.pin_softness,
-            self.layout.spacing_mm,
-            self.design.fabric.is_orthotropic,
-            self.model,
-        )
+        places = StarPlaces(self.stars, values, self.pin_softness, self.design.fabric.is_orthotropic)
         fields = sheet_fields(places)
         try:
             fields.rest(self.table.points)
@@ -141,7 +104,7 @@ class Sheet(PrintSheet):
         """Mean height of the plastic. Where the outline cuts a star's cell, it is spread over the rest of the cell."""
         covered = self.stars.shares.wide.T @ self.table.weights.ravel()
         volume = np.bincount(self.layout.arm_star, [rod.volume_mm3 for rod in self.layout.graph.rods], len(covered))
-        return lambda points: np.asarray(Shares(self.stars.cells, points).wide @ (volume / covered))
+        return lambda points: np.asarray(Shares(self.stars.shares.cells, points).wide @ (volume / covered))
 
     def doubts(self) -> Iterator[str]:
         """Stars that the law does not describe."""
@@ -178,48 +141,3 @@ class Sheet(PrintSheet):
                 f"which the law describes poorly; check with the exact model: {star_numbers(uneven)}",
                 uneven,
             )
-
-
-class StarLens(SheetLens):
-    """Computes the positions of a fixed set of printed points (n, 2) mm with bumps, for shells of one sheet."""
-
-    sheet: Sheet
-
-    def __init__(self, sheet: Sheet, points: Floats) -> None:
-        super().__init__(sheet, points)
-        self._waves = sheet.law.waves(self.points - sheet.layout.lattice_origin)
-        far = sheet.layout.distance_to_supports(self.points)
-        self._stays = np.minimum(far / (FABRIC_BEYOND_TIP * sheet.layout.spacing_mm), 1.0)
-        self._follow_stars(sheet)
-
-    def _follow_stars(self, sheet: Sheet) -> None:
-        """Compute everything that depends on the stars or on the positions of the pins in space."""
-        self._shares = Shares(sheet.stars.cells, self.points)
-        self._nearest = cKDTree(sheet.layout.centres).query(self.points)[1]
-        self._arm_shares = arm_shares(sheet.arms, self.points)
-
-    def _follow(self, sheet: Sheet) -> None:
-        before = self.sheet
-        super()._follow(sheet)
-        if sheet.law is not before.law:
-            self._waves = sheet.law.waves(self.points - sheet.layout.lattice_origin)
-        if sheet.stars is not before.stars or not before.has_pins_of(sheet.layout):
-            self._follow_stars(sheet)
-        elif not before.has_rods_of(sheet.layout):
-            self._arm_shares = arm_shares(sheet.arms, self.points, self._arm_shares)
-
-    def __call__(self, x: Floats) -> Places:
-        """The positions of the points for degrees of freedom x (N, 3) of the shell."""
-        smooth, sheet = self._smooth(x), self.sheet
-        values, parts = sheet.values, sheet.model.parts
-        if "bumps" not in parts:
-            return Places(smooth, np.zeros_like(smooth.places))
-        weights = self._shares(values.sizes[:, 0])
-        rim = 2.0 * smooth.mean_curvature, self._nearest, sheet.layout.spacing_mm
-        heights = self._stays * corrugation_heights(self._waves, values, weights, *rim)
-        if sheet.layout.pins:
-            heights *= flattening(values, weights, smooth.area)
-        bumps = heights[:, None] * smooth.normals
-        if "arms that keep their length" in parts:
-            bumps += smooth.moved(self._arm_shares.along @ sheet.arms.moves(x))
-        return Places(smooth, bumps)

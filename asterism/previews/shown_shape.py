@@ -32,9 +32,9 @@ def shown_shape(state: PreviewState) -> Shape:
         star_vertices=mesh.star_vertices,
         point_fields={
             "bump_mm": places.bumps,
-            "normal": places.surface.normals,
-            "mean_curvature_per_mm": places.surface.mean_curvature,
-            "gaussian_curvature_per_mm2": places.surface.gaussian_curvature,
+            "normal": places.normals,
+            "mean_curvature_per_mm": places.mean_curvature,
+            "gaussian_curvature_per_mm2": places.gaussian_curvature,
         },
         cell_fields=cell_fields(mesh.points, places.smooth, mesh.triangles, state.design.fabric.stretch_xy),
         rod_fields=_rod_fields(layout, mesh),

@@ -170,7 +170,7 @@ class SheetView:
                 smooth = (smooth - middle) @ self.rotation.T - (0.0, 0.0, lowest)
         stretch_x, stretch_y = fabric.stretch_xy
         arrays = self._marks.arrays(layout, positions)
-        arrays |= smooth_arrays(places.surface.mean_curvature, places.surface.area * stretch_x * stretch_y - 1.0)
+        arrays |= smooth_arrays(places.mean_curvature, places.area * stretch_x * stretch_y - 1.0)
         if smooth is not None:
             arrays |= self._marks.arrays(layout, smooth, "smooth")
         return Frame(

@@ -23,16 +23,15 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Floats
 from asterism.fem.shell.fields import Fields
-from asterism.previews.fields.star_places import StarPlaces
+from asterism.previews.fields.star_values import StarPlaces
 
 
 def rosette_metric(fields: Fields, at: StarPlaces) -> Fields:
     """The fields with the rest metric of changing stars."""
-    if not at.arms:
+    if not at.along_arms:
         return fields
-    along = [at.log_mean("lam_n", weights) for _, weights in at.arms]
-    directions = np.array([direction for direction, _ in at.arms])
-    return replace(fields, metric=arm_metric(at.lam, np.stack(along, axis=-1), directions))
+    along = np.stack([at.log_mean("lam_n", weights) for weights in at.along_arms], axis=-1)
+    return replace(fields, metric=arm_metric(at.lam, along, at.stars.directions))
 
 
 def arm_metric(lam: Floats, along: Floats, directions: Floats) -> Floats:

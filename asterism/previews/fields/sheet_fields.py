@@ -1,12 +1,12 @@
 """The fields of the homogenised shell: rest metric, rest curvature and stiffness from the law at the stars.
 
-At a place shared by several stars (`asterism.previews.fields.star_cells`), the logarithms of contraction and
-stiffnesses are averaged, and the curvatures themselves. For a place with contraction `lam` and natural curvature
-`kappa`, in printed coordinates:
+For a place with contraction `lam` and natural curvature `kappa`, in printed coordinates:
 
     a_r = lam^2 I                            rest metric,
     b_r = -kappa lam^2 / (1 + nu) I          rest curvature,
     D = bending / lam^4                      stiffness against printed curvatures, in N mm.
+
+The logarithms of contraction and stiffnesses are averaged between stars, and the curvatures themselves.
 
 - **Sign.** The normal `x_1 x x_2` points up on the print. If the edges of a sheet go down, its second fundamental form
   `b = n . hess x` is negative, and `kappa` is positive.
@@ -16,25 +16,146 @@ stiffnesses are averaged, and the curvatures themselves. For a place with contra
   squared printed length.
 
 The corrections describe what cells of endless sheets of equal stars leave out. They act one after the other; each has
-its equation and its constants in its own file, and a model without it lacks its name in `PreviewModel.parts`.
+its equation with its function, and a model without it lacks its name in `PreviewModel.parts`.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 
-from asterism.fem.shell.density import Density, isotropic
+from asterism.equilibrium.arrays import Floats
+from asterism.fem.shell.density import Density, gaussian_limits, isotropic
 from asterism.fem.shell.fields import Fields
-from asterism.homogenize.law.anisotropy import BENDING_POISSON
-from asterism.previews.fields.directional import directions
+from asterism.homogenize.law.anisotropy import (
+    BENDING_POISSON,
+    MEMBRANE_COLUMNS,
+    METRIC_COLUMNS,
+    tensors,
+    voigt_matrices,
+)
+from asterism.pattern.design.lattice import DEFAULT_SPACING_MM
 from asterism.previews.fields.rim_arms import rim_arms
-from asterism.previews.fields.roll_axis import roll_axis
 from asterism.previews.fields.rosette import rosette_metric
-from asterism.previews.fields.self_stress import self_stress
-from asterism.previews.fields.star_places import StarPlaces
+from asterism.previews.fields.star_cells import stars_share
+from asterism.previews.fields.star_values import StarPlaces, StarValues
+from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from asterism.previews.point_pins import neo_hookean_fabric, softness_at_points
+
+
+def directions(fields: Fields, at: StarPlaces) -> Fields:
+    """The fields with the tensors of sheets that differ between directions (`homogenize.law.anisotropy`).
+
+    The law holds what cells are at their natural curvature. Stars whose arms differ from their lattice bend most
+    differently there, while flat cells of them are nearly isotropic, and sheets are in between. Therefore the share
+    `anisotropy_share` of these differences in bending acts in the shell. With the deviator d of the metric's logarithm,
+    the rest metric is `exp(d/2) a_r exp(d/2)`.
+    """
+    if not at.values.anisotropy.shape[1]:
+        return fields
+    assert isinstance(fields.density, Density)
+    differs = at.anisotropy
+    q, m = tensors(at.mean("kappa"), differs)
+    stiffness = np.array(fields.density.stiffness)
+    stiffness[..., :3, :3] += stiffness[..., :1, :1] * voigt_matrices(differs[..., MEMBRANE_COLUMNS])
+    stiffness[..., 3:, 3:] = (at.log_mean("bending") / at.lam**4)[..., None, None] * q
+    # -lam^2 Q^-1 m with components 11, 22, 12
+    bend = -(at.lam**2)[..., None] * np.linalg.solve(q, m[..., None])[..., 0] * np.array([1.0, 1.0, 0.5])
+    return replace(
+        fields,
+        density=replace(fields.density, stiffness=stiffness),
+        metric=_deformed(np.asarray(fields.metric), differs[..., METRIC_COLUMNS]),
+        curvature=bend,
+    )
+
+
+def _deformed(metric: Floats, deviator: Floats) -> Floats:
+    """(..., 3) metric with components 11, 22, 12 after the stretch `exp(d/2)`, d with components 11, 12 (..., 2)."""
+    size = np.hypot(deviator[..., 0], deviator[..., 1])
+    part = np.sinh(0.5 * size) / np.where(size > 0.0, size, 1.0)
+    root = np.cosh(0.5 * size)[..., None, None] * np.eye(2)
+    root = root + part[..., None, None] * deviator[..., [[0, 1], [1, 0]]] * np.array([[1.0, 1.0], [1.0, -1.0]])
+    full = root @ metric[..., [[0, 2], [2, 1]]] @ root
+    return np.stack([full[..., 0, 0], full[..., 1, 1], full[..., 0, 1]], axis=-1)
+
+
+# saturation curvature of the sixfold term over the natural one; origin unknown
+SATURATION = 3.0
+# lower limit of the saturation curvature, as a turn over one spacing
+MIN_SATURATION_TURN_RAD = 1e-3 * DEFAULT_SPACING_MM
+
+
+def roll_axis(fields: Fields, at: StarPlaces) -> Fields:
+    """The fields with the sixfold term (`fem.shell.density`): stars prefer some axes of rolling.
+
+    `b = -kappa lam^2 t t^T` has `Re[((b11 - b22)/2 + i b12)^3] = -(kappa lam^2)^3 cos(6 phi)/8` if t is at the angle
+    phi to the x axis. The law's `c3` is `4 (psi_0 - psi_30)/kappa^3` with angles from y. These are phi = 90 and 120
+    degrees, where cos(6 phi) is -1 and 1. So the factor of the term per printed area is `c3 / lam^6`, in N mm^2, times
+    `sixfold_factor`, enlarged by the part that the saturation removes at the natural curvature.
+    """
+    assert isinstance(fields.density, Density)
+    natural = 0.5 * np.abs(at.mean("kappa")) * at.lam**2
+    density = replace(
+        fields.density,
+        sixfold=at.stars.model.sixfold_factor * (1.0 + 1.0 / SATURATION**2) * at.mean("c3") / at.lam**6,
+        orientation=np.zeros(at.shape),
+        saturation=np.maximum(SATURATION * natural, MIN_SATURATION_TURN_RAD / at.stars.spacing_mm),
+    )
+    return replace(fields, density=density)
+
+
+# largest Gaussian modulus, as a share of the one at which the bending energy becomes indefinite
+MAX_GAUSSIAN_SHARE = 0.95
+
+
+def self_stress(fields: Fields, at: StarPlaces) -> Fields:
+    """The fields with a Gaussian modulus: work of the self-stress within cells when the sheet takes Gaussian curvature.
+
+    A flat sheet of stars is self-stressed: its fabric is in tension, its arms are in compression. Gaussian curvature K
+    changes lengths within a cell, and the self-stress does work on that. The energy changes by the integral of -phi K.
+    Here phi is Airy's stress function, which vanishes at a free border and is positive among the stars. The shell
+    includes the part of this energy that acts between bare rim and stars, through its rest metric. The part within
+    cells is added as a Gaussian modulus g, of the energy -g det b per printed area,
+
+        g = a d^2 (A11 + A12) (lam^2 - lam_bare^2) / 2,    a = `gaussian_area`,
+
+    with the spacing d and the membrane stiffness A of bare fabric. It is multiplied by the squared share of the stars,
+    so that its slope vanishes at the border. Periodic cells on tubes have no Gaussian curvature, so that they cannot
+    show g. Ribbons can, since all of their area is near a border. Without g, previews of ribbons roll up to a quarter
+    too little, and sheets supported at their corners rise a tenth too little.
+
+    **Planar sheets.** The area a d^2 is the difference of two integrals of phi, for the exact model and for the shell.
+    For stars whose membrane is as stiff as bare fabric, it is 3 to 5 mm^2 at arms of 4.5 to 8 mm and the paper's
+    spacing. Stars with bumps are softer, but cannot buckle in a planar sheet of the exact model, which says nothing
+    about them. a was fitted to ribbons and free caps, and is at the upper end of what flat sheets give.
+
+    On fabric with a grain the tension differs between directions, and one number does not describe its work: sheets are
+    nearer to the exact model without it.
+    """
+    if at.has_grain:
+        return fields
+    assert isinstance(fields.density, Density)
+    moduli = gaussian_moduli(at.values, at.stars.spacing_mm, at.stars.model)
+    share = np.minimum(stars_share(at.weights), 1.0)
+    saved = (share * (at.weights @ moduli)).reshape(at.shape)
+    most = -gaussian_limits(np.asarray(fields.density.stiffness)[..., 3:, 3:])[0]
+    return replace(fields, gaussian=-np.minimum(saved, MAX_GAUSSIAN_SHARE * most))
+
+
+def gaussian_moduli(values: StarValues, spacing: float, model: PreviewModel = PREVIEW_MODEL) -> Floats:
+    """(S,) Gaussian moduli g of the stars in N mm; the spacing is in mm. Bare sites have none."""
+    has_arms = values.sizes[:, 0] > 0.0
+    return np.asarray(model.gaussian_area * spacing**2 * has_arms * pulls(values))
+
+
+def pulls(values: StarValues) -> Floats:
+    """(S,) tension in N/mm of bare fabric that is held at the contraction of each star."""
+    value = values.value
+    more = np.maximum(value["lam_n"][:-1] ** 2 - value["lam_n"][-1] ** 2, 0.0)
+    return np.asarray(0.5 * (value["a11"][-1] + value["a12"][-1]) * more)
+
 
 CORRECTIONS: dict[str, Callable[[Fields, StarPlaces], Fields]] = {
     "rosette metric": rosette_metric,
@@ -58,6 +179,6 @@ def sheet_fields(at: StarPlaces) -> Fields:
         np.stack([bend, bend, zero], axis=-1),
     )
     for name, correction in CORRECTIONS.items():
-        if name in at.model.parts:
+        if name in at.stars.model.parts:
             fields = correction(fields, at)
     return fields

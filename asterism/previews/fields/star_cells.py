@@ -23,6 +23,8 @@ from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.sheet_edges import SheetEdges
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 
+# radius of a cell in spacings: the corners of a cell of the triangular lattice
+CELL_RADIUS = 3.0**-0.5
 # weight of a grid point outside of the sheet; it only matters in tongues that are narrower than the step of the grid
 MIN_SHARE_OFF_SHEET = 1e-6
 # a point this near to the outline, in steps of the grid, is on the outline and does not count as inside
@@ -108,21 +110,21 @@ class Shares:
     """
 
     def __init__(self, cells: StarCells, points: Floats) -> None:
-        self._cells, self._points = cells, np.asarray(points, dtype=float)
+        self.cells, self._points = cells, np.asarray(points, dtype=float)
 
     @cached_property
     def wide(self) -> sp.csr_matrix:
         """(n, S) shares with the largest width."""
-        return self._cells.weights(self._points, self._cells.widths_mm[0])
+        return self.cells.weights(self._points, self.cells.widths_mm[0])
 
     @cached_property
     def narrow(self) -> sp.csr_matrix:
         """(n, S) shares with the smallest width."""
-        return self._cells.weights(self._points, self._cells.widths_mm[1])
+        return self.cells.weights(self._points, self.cells.widths_mm[1])
 
     def __call__(self, length: Floats) -> sp.csr_matrix:
         """(n, S) share of each star, for arm lengths (S,) in mm."""
-        long = long_arms(length, self._cells.spacing_mm, self._cells.model)
+        long = long_arms(length, self.cells.spacing_mm, self.cells.model)
         if (long == 1.0).all():
             return self.wide
         both, row = self._both

@@ -1,11 +1,16 @@
-"""The law evaluated at the stars of a layout, with checks that a sheet can have these values."""
+"""The law at the stars of a layout, with checks that a sheet can have these values, and at the places between them.
+
+At a place shared by several stars (`asterism.previews.fields.star_cells`) the values are averaged, or their logarithms.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
+import scipy.sparse as sp
 
 from asterism.equilibrium.arrays import Bools, Floats, Ints
 from asterism.homogenize.errors import LawError
@@ -13,8 +18,9 @@ from asterism.homogenize.law.anisotropy import BENDING_COLUMNS, MOMENT_COLUMNS, 
 from asterism.homogenize.law.axes import law_coordinates
 from asterism.homogenize.law.star_law import MAX_SEPARATED_CURL, QUANTITY_NAMES, StarLaw
 from asterism.pattern.design.design import Design
+from asterism.pattern.design.lattice import DEFAULT_SPACING_MM
 from asterism.pattern.layout.layout import Layout
-from asterism.previews.fields.holes import CELL_RADIUS
+from asterism.previews.fields.star_cells import CELL_RADIUS, Shares
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 
 # quantities of the law that change their sign with the side of the plastic, beside c3
@@ -167,3 +173,84 @@ def _check(layout: Layout, where: Sequence[str], value: dict[str, Floats]) -> No
         name, (_, what) = list(allowed.items())[int(wrong[:, star].argmax())]
         message = f"{where[star]}: the law's {name} = {value[name][star]:.4g}, a sheet needs {what}"
         raise LawError(message, [layout.star_number[star]], layout.centres[star])
+
+
+@dataclass(frozen=True)
+class StarShares:
+    """The stars at n places of a sheet: what a change of their sizes leaves as it is.
+
+    Attributes
+    ----------
+    shares : of the stars at the places.
+    shape : shape of the fields, (T, Q) with n = T Q.
+    directions : (N, 2) unit vectors of the arms of a star.
+    arms : for each of them the shares half a spacing back along it.
+    normals : (n, 2) normals of free sides (`asterism.previews.fields.rim_arms.free_normals`).
+    carried : (S, N) share of the natural curvature that arms carry into a free rim; None for supported sheets.
+    spacing_mm : of the stars.
+    model : constants of the preview.
+    """
+
+    shares: Shares
+    shape: tuple[int, ...]
+    directions: Floats = field(default_factory=lambda: np.empty((0, 2)))
+    arms: Sequence[Shares] = ()
+    normals: Floats | None = None
+    carried: Floats | None = None
+    spacing_mm: float = DEFAULT_SPACING_MM
+    model: PreviewModel = PREVIEW_MODEL
+
+
+@dataclass(frozen=True)
+class StarPlaces:
+    """The law at these places, from which fields are computed.
+
+    Attributes
+    ----------
+    stars : at the places.
+    values : the law at the stars.
+    softness : (T, Q) around supported points (`asterism.previews.point_pins`); None for sheets without.
+    has_grain : the fabric is orthotropic.
+    """
+
+    stars: StarShares
+    values: StarValues
+    softness: Floats | None = None
+    has_grain: bool = False
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """(T, Q)."""
+        return self.stars.shape
+
+    @cached_property
+    def weights(self) -> sp.csr_matrix:
+        """(n, S) share of each star; bare fabric has the rest to 1."""
+        return self.stars.shares(self.values.sizes[:, 0])
+
+    @cached_property
+    def along_arms(self) -> list[sp.csr_matrix]:
+        """For each arm the weights half a spacing back along it."""
+        return [shares(self.values.sizes[:, 0]) for shares in self.stars.arms]
+
+    def mean(self, name: str) -> Floats:
+        """(T, Q) of one of the law's quantities."""
+        return self._mean(self.values.value[name], self.weights)
+
+    def log_mean(self, name: str, weights: sp.csr_matrix | None = None) -> Floats:
+        """(T, Q) mean by the logarithm, for other weights if they are given."""
+        logarithm = np.log(self.values.value[name])
+        return np.asarray(np.exp(self._mean(logarithm, self.weights if weights is None else weights)))
+
+    @property
+    def anisotropy(self) -> Floats:
+        """(T, Q, K) differences between directions."""
+        return self._mean(self.values.anisotropy, self.weights)
+
+    @cached_property
+    def lam(self) -> Floats:
+        """(T, Q) contraction."""
+        return self.log_mean("lam_n")
+
+    def _mean(self, of: Floats, weights: sp.csr_matrix) -> Floats:
+        return np.asarray(of[-1] + weights @ (of[:-1] - of[-1])).reshape(*self.shape, *of.shape[1:])

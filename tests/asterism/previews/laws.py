@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
+import scipy.sparse as sp
 
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.cell.corrugation_waves import CorrugationWaves
 from asterism.homogenize.law.material import Material
 from asterism.homogenize.law.star_law import QUANTITY_NAMES, StarLaw, StarTable, to_stored
+from asterism.previews.fields.star_cells import Shares
+from asterism.previews.fields.star_values import StarPlaces, StarShares, StarValues
 
 SPACING = 10.0 * np.sqrt(3.0)
 
@@ -49,3 +54,21 @@ def with_values(table: StarTable, nodes: Floats) -> StarTable:
     """The table with other values (n1, ..., nA, Q) at its nodes."""
     rest = table.stored[..., len(QUANTITY_NAMES) :]
     return replace(table, stored=np.concatenate([to_stored(nodes, table.spacing_mm), rest], axis=-1))
+
+
+class FixedShares(Shares):
+    """Shares that do not depend on the length of the arms."""
+
+    def __init__(self, weights: sp.csr_matrix) -> None:
+        self.weights = weights
+
+    def __call__(self, length: Floats) -> sp.csr_matrix:
+        return self.weights
+
+
+def places(
+    weights: sp.csr_matrix, values: StarValues, shape: tuple[int, ...], arms: Sequence[sp.csr_matrix] = (), **stars: Any
+) -> StarPlaces:
+    """Places with these shares of the stars, and with `arms` half a spacing back along each arm."""
+    back = [FixedShares(each) for each in arms]
+    return StarPlaces(StarShares(FixedShares(weights), shape, arms=back, **stars), values)

@@ -10,7 +10,8 @@ from hypothesis import strategies as st
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.painted_stars import with_painted_stars
-from asterism.previews.arms import (
+from asterism.previews.sheet import Sheet
+from asterism.previews.star_lens import (
     CREASE_ROUNDING,
     DECAY_LENGTHS,
     FABRIC_BESIDE_ARM,
@@ -18,7 +19,6 @@ from asterism.previews.arms import (
     Arms,
     arm_shares,
 )
-from asterism.previews.sheet import Sheet
 from tests.asterism.previews.laws import plain_law
 
 DESIGN = Design.from_dict(

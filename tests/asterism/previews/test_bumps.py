@@ -9,9 +9,9 @@ import scipy.sparse as sp
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-from asterism.previews.bumps import BUMP_STRAIN, flattening
-from asterism.previews.fields.holes import CELL_RADIUS
+from asterism.previews.fields.star_cells import CELL_RADIUS
 from asterism.previews.fields.star_values import star_values
+from asterism.previews.star_lens import BUMP_STRAIN, flattening
 from tests.asterism.previews.laws import SPACING, plain_law
 
 

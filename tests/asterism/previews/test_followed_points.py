@@ -41,8 +41,8 @@ def test_places_are_those_of_a_new_look(name: str) -> None:
         for stage in preview.edit(edited(name, **change)):
             places, fresh = lens(stage.x), preview.at(points, stage.x)
             assert np.array_equal(places.bumpy, fresh.bumpy) and np.array_equal(places.smooth, fresh.smooth)
-            assert np.array_equal(places.surface.normals, fresh.surface.normals)
-            assert np.array_equal(places.surface.mean_curvature, fresh.surface.mean_curvature)
+            assert np.array_equal(places.normals, fresh.normals)
+            assert np.array_equal(places.mean_curvature, fresh.mean_curvature)
         assert np.array_equal(lens().bumpy, preview.at(points).bumpy)
 
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from asterism.fem.elements.argyris import Argyris
-from asterism.previews.places import smooth_surface
+from asterism.previews.places import Places
 from tests.fem.hexagons import hexagon
 
 
@@ -27,8 +27,8 @@ def test_shifts_of_the_print_are_followed_to_second_order() -> None:
 
     random = np.random.default_rng(2)
     points, shift = random.uniform(-40.0, 40.0, (2, 9, 2))
-    surface = smooth_surface(space.locate(points), space.interpolate(bowl))
-    np.testing.assert_allclose(surface.places + surface.moved(shift), bowl(points + shift)[:, 0], atol=1e-8)
+    surface = Places.at(space.locate(points), space.interpolate(bowl))
+    np.testing.assert_allclose(surface.smooth + surface.moved(shift), bowl(points + shift)[:, 0], atol=1e-8)
 
 
 def test_the_curvature_of_a_roll_does_not_depend_on_how_it_was_sheared() -> None:
@@ -36,7 +36,7 @@ def test_the_curvature_of_a_roll_does_not_depend_on_how_it_was_sheared() -> None
     k = 0.02
     places = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.5, 1.0, 0.0]]
     jets = np.array([[*places, [0.0, 0.0, k], [0.0, 0.0, 0.25 * k], [0.0, 0.0, 0.5 * k]]])
-    surface = smooth_surface(SimpleNamespace(jets=lambda x: jets), np.empty((0, 3)))  # type: ignore[arg-type]
+    surface = Places.at(SimpleNamespace(jets=lambda x: jets), np.empty((0, 3)))  # type: ignore[arg-type]
     assert surface.area[0] == pytest.approx(1.0)
     assert surface.mean_curvature[0] == pytest.approx(-0.5 * k)
     assert surface.gaussian_curvature[0] == pytest.approx(0.0, abs=1e-12)

@@ -31,10 +31,9 @@ from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.previews.fields.sheet_fields import BENDING_POISSON, sheet_fields
-from asterism.previews.fields.star_places import StarPlaces
 from asterism.previews.fields.star_values import StarValues, star_values
 from asterism.previews.model import PREVIEW_MODEL, without
-from tests.asterism.previews.laws import plain_law
+from tests.asterism.previews.laws import places, plain_law
 from tests.homogenize.law.test_anisotropy import min_bending_ratio
 
 PLAN = layout(gallery.load("tube"))
@@ -52,7 +51,7 @@ def values(along_x: float, moment: float = 0.0) -> StarValues:
 
 def moments(stars: StarValues, curvature: tuple[float, float]) -> Floats:
     """(6,) stress of a sheet of the first star on its natural length with curvatures about y and x, over lam^2."""
-    fields = sheet_fields(StarPlaces(sp.csr_matrix(np.eye(1, STARS)), stars, (1, 1)))
+    fields = sheet_fields(places(sp.csr_matrix(np.eye(1, STARS)), stars, (1, 1)))
     square = stars.value["lam_n"][0] ** 2
     state = square * np.array([0.5, 0.5, 0.0, -curvature[0], -curvature[1], 0.0])
     rest = fields.rest(np.zeros((1, 1, 2)))[0, 0]
@@ -77,7 +76,7 @@ def test_bare_fabric_is_the_same_in_all_directions_and_stars_share_it_evenly() -
     stars = values(0.6)
     weights = sp.csr_matrix(np.array([[0.0], [1.0]]) * np.eye(1, STARS))
     model = without("Gaussian curvature")
-    fields = sheet_fields(StarPlaces(weights, stars, (2, 1), model=model))
+    fields = sheet_fields(places(weights, stars, (2, 1), model=model))
     stiffness = np.asarray(fields.densities(np.zeros((2, 1, 2))).stiffness)[:, 0, 3:, 3:]
     assert stiffness[0, 0, 0] == stiffness[0, 1, 1]
     assert stiffness[1, 0, 0] / stiffness[1, 1, 1] == pytest.approx(0.6 / 1.4)
@@ -90,7 +89,7 @@ def test_fabric_that_differs_contracts_and_stretches_by_direction() -> None:
     own[-1, METRIC_COLUMNS] = 2.0 * np.log(1.02), 0.0
     own[-1, MEMBRANE_COLUMNS[:2]] = -0.3, 0.3
     stars = replace(PLAIN, anisotropy=own)
-    fields = sheet_fields(StarPlaces(sp.csr_matrix((1, STARS)), stars, (1, 1)))
+    fields = sheet_fields(places(sp.csr_matrix((1, STARS)), stars, (1, 1)))
     lam = stars.value["lam_n"][-1]
     rest = fields.rest(np.zeros((1, 1, 2)))[0, 0]
     assert 2.0 * rest[:3] == pytest.approx([(1.02 * lam) ** 2, (lam / 1.02) ** 2, 0.0])
@@ -98,7 +97,7 @@ def test_fabric_that_differs_contracts_and_stretches_by_direction() -> None:
     assert membrane[0, 0] / membrane[1, 1] == pytest.approx(0.7 / 1.3)
     turned = np.zeros((STARS + 1, ANISOTROPY_SIZE))
     turned[-1, METRIC_COLUMNS] = 0.0, 2.0 * np.log(1.02)  # the same about 45 degrees
-    fields = sheet_fields(StarPlaces(sp.csr_matrix((1, STARS)), replace(PLAIN, anisotropy=turned), (1, 1)))
+    fields = sheet_fields(places(sp.csr_matrix((1, STARS)), replace(PLAIN, anisotropy=turned), (1, 1)))
     rest = fields.rest(np.zeros((1, 1, 2)))[0, 0]
     along = 0.25 * lam**2 * (1.02**2 + 1.02**-2)
     assert rest[:3] == pytest.approx([along, along, 0.5 * lam**2 * (1.02**2 - 1.02**-2)])
@@ -110,7 +109,7 @@ def test_caps_of_soft_directions_stay_stable() -> None:
     low = min_bending_ratio(tensors(stars.value["kappa"], stars.anisotropy)[0])
     assert low[0] < 0.21 and low[-1] == pytest.approx(1.0)
     weights = sp.csr_matrix(np.eye(1, STARS))
-    fields = sheet_fields(StarPlaces(weights, stars, (1, 1), model=replace(PREVIEW_MODEL, gaussian_area=1e6)))
+    fields = sheet_fields(places(weights, stars, (1, 1), model=replace(PREVIEW_MODEL, gaussian_area=1e6)))
     stiffness = np.asarray(fields.densities(np.zeros((1, 1, 2))).stiffness)[0, 0, 3:, 3:]
     assert np.linalg.eigvalsh(stiffness).min() > 0.0
 

@@ -9,9 +9,9 @@ import scipy.sparse as sp
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-from asterism.previews.bumps import corrugation_heights
-from asterism.previews.fields.free_sides import free_normals
+from asterism.previews.fields.rim_arms import free_normals
 from asterism.previews.fields.star_values import star_values
+from asterism.previews.star_lens import corrugation_heights
 from tests.asterism.previews.laws import SPACING, plain_law
 
 TUBE = gallery.load("tube")

@@ -9,7 +9,7 @@ from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
-from asterism.previews.fields.holes import hole_sites, in_holes
+from asterism.previews.fields.rim_arms import hole_sites, in_holes
 from asterism.previews.session import Preview
 
 TUBE = gallery.load("tube")

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 
+from asterism.equilibrium.arrays import Floats
 from asterism.exact.simulation import exact_shape
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
@@ -14,7 +15,7 @@ from asterism.previews.fields.rim_arms import RIM_ARM_FULL, RIM_ARM_START, arm_c
 from asterism.previews.fields.star_values import star_values
 from asterism.previews.model import PREVIEW_MODEL, without
 from asterism.previews.session import Preview
-from tests.asterism.previews.laws import SPACING, plain_law
+from tests.asterism.previews.laws import SPACING, places, plain_law
 
 NONE, ALL, AMONG = RIM_ARM_START, RIM_ARM_FULL, PREVIEW_MODEL.rim_arm_among
 WITHOUT = without("arms into free rims")
@@ -23,27 +24,31 @@ TUBE = gallery.load("tube")
 PLAN = layout(TUBE)
 VALUES = star_values(TUBE, PLAN, plain_law())
 COUNT = len(PLAN.centres)
+DIRECTIONS = np.asarray(TUBE.lattice.arm_directions)
+
+
+def curvature(beside: sp.csr_matrix, normals: Floats, along: list[sp.csr_matrix], carried: Floats) -> Floats:
+    """(n, 3) 1/mm, where stars have shares `beside` n places, and `along` half a spacing back along each arm."""
+    stars = {"directions": DIRECTIONS, "normals": normals, "carried": carried}
+    return arm_curvature(places(beside, VALUES, (len(normals), 1), along, **stars))
 
 
 def test_arms_carry_their_curvature_into_a_free_rim() -> None:
     """Where only the star back along the first arm reaches, that direction curls, and the other one by as much less."""
-    directions = np.asarray(TUBE.lattice.arm_directions)
     beside = sp.csr_matrix(np.full((3, 1), 0.5) * np.eye(1, COUNT))
     reaches, nothing = sp.csr_matrix(np.ones((3, 1)) * np.eye(1, COUNT)), sp.csr_matrix((3, COUNT))
-    arms = [(directions[0], reaches), *((along, nothing) for along in directions[1:])]
     normals = np.array([[1.0, 0.0], [0.0, 1.0], [0.0, 0.0]])
     all_of_it = np.ones((COUNT, 3))
-    found = arm_curvature(beside, VALUES, normals, arms, all_of_it)
+    found = curvature(beside, normals, [reaches, nothing, nothing], all_of_it)
     kappa = VALUES.value["kappa"][0]
-    x, y = directions[0]
+    x, y = DIRECTIONS[0]
     assert found[0] @ [x * x, y * y, 2.0 * x * y] == pytest.approx(2.0 / 3.0 * kappa)
     assert found[0, 0] + found[0, 1] == pytest.approx(0.0)
     assert found[1] == pytest.approx(found[0])
     assert found[2] == pytest.approx(0.0)  # where the rim is held
     half = np.where(np.arange(3) == 0, 0.5, all_of_it)
-    assert arm_curvature(beside, VALUES, normals, arms, half) == pytest.approx(0.5 * found)
-    among = [(along, reaches) for along in directions]
-    assert arm_curvature(beside, VALUES, normals, among, half) == pytest.approx(0.0)
+    assert curvature(beside, normals, [reaches, nothing, nothing], half) == pytest.approx(0.5 * found)
+    assert curvature(beside, normals, 3 * [reaches], half) == pytest.approx(0.0)
 
 
 def test_arms_carry_on_what_the_fabric_before_them_allows() -> None:
@@ -128,14 +133,12 @@ def test_no_arm_carries_on_more_than_all_of_its_curvature() -> None:
 
 def test_a_rim_curls_along_an_arm_as_far_as_its_star_reaches() -> None:
     """Half of the share, half of the curvature."""
-    directions = np.asarray(TUBE.lattice.arm_directions)
     one, nothing = np.eye(1, COUNT), sp.csr_matrix((1, COUNT))
     whole, half = (
-        arm_curvature(
+        curvature(
             sp.csr_matrix(0.5 * one),
-            VALUES,
             np.array([[1.0, 0.0]]),
-            [(directions[0], sp.csr_matrix(share * one)), *((along, nothing) for along in directions[1:])],
+            [sp.csr_matrix(share * one), nothing, nothing],
             np.ones((COUNT, 3)),
         )
         for share in (1.0, 0.5)

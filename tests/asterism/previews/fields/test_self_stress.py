@@ -10,7 +10,7 @@ import pytest
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern import gallery
 from asterism.pattern.layout.build import layout
-from asterism.previews.fields.self_stress import gaussian_moduli, pulls
+from asterism.previews.fields.sheet_fields import gaussian_moduli, pulls
 from asterism.previews.fields.star_values import StarValues, star_values
 from asterism.previews.model import PREVIEW_MODEL
 from tests.asterism.previews.laws import plain_law

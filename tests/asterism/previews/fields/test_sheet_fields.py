@@ -16,12 +16,10 @@ from asterism.homogenize.law.star_law import QUANTITY_NAMES
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-from asterism.previews.fields.self_stress import gaussian_moduli
-from asterism.previews.fields.sheet_fields import BENDING_POISSON, sheet_fields
-from asterism.previews.fields.star_places import StarPlaces
+from asterism.previews.fields.sheet_fields import BENDING_POISSON, gaussian_moduli, sheet_fields
 from asterism.previews.fields.star_values import star_values
 from asterism.previews.model import PREVIEW_MODEL
-from tests.asterism.previews.laws import plain_law, with_values
+from tests.asterism.previews.laws import places, plain_law, with_values
 
 SIXFOLD = PREVIEW_MODEL.sixfold_factor
 
@@ -32,7 +30,7 @@ STARS = len(VALUES.sizes)
 
 def tube_energy(curvature: float, direction_deg: float) -> float:
     """N/mm of a sheet rolled with the plastic outside, with lengths at rest; counted from flat."""
-    fields = sheet_fields(StarPlaces(sp.csr_matrix(np.eye(1, STARS)), VALUES, (1, 1)))
+    fields = sheet_fields(places(sp.csr_matrix(np.eye(1, STARS)), VALUES, (1, 1)))
     lam = VALUES.value["lam_n"][0]
     a = np.radians(direction_deg)
     t = np.array([np.cos(a) ** 2, np.sin(a) ** 2, 2 * np.cos(a) * np.sin(a)])
@@ -65,7 +63,7 @@ def test_the_natural_curvature_is_the_best_one() -> None:
 
 
 def test_the_rim_is_bare_fabric() -> None:
-    fields = sheet_fields(StarPlaces(sp.csr_matrix((1, STARS)), VALUES, (1, 1)))
+    fields = sheet_fields(places(sp.csr_matrix((1, STARS)), VALUES, (1, 1)))
     points = np.zeros((1, 1, 2))
     assert fields.rest(points)[0, 0] == pytest.approx([0.5 / 1.35**2, 0.5 / 1.35**2, 0, 0, 0, 0])
     stiffness: Floats = np.asarray(fields.densities(points).stiffness)[0, 0]
@@ -83,7 +81,7 @@ def test_caps_of_stars_cost_less_and_bare_fabric_has_no_modulus_of_gaussian_curv
         """With a modulus of this share of the bending stiffness."""
         area = share * bending / gaussian_moduli(VALUES, 1.0, replace(PREVIEW_MODEL, gaussian_area=1.0))[0]
         model = replace(PREVIEW_MODEL, gaussian_area=area)
-        return sheet_fields(StarPlaces(weights, VALUES, (3, 1), spacing_mm=1.0, model=model))
+        return sheet_fields(places(weights, VALUES, (3, 1), spacing_mm=1.0, model=model))
 
     modulus = np.asarray(fields(0.1).gaussian)[:, 0]
     assert modulus[0] == 0.0
@@ -97,7 +95,7 @@ def test_half_way_between_two_stars_logarithms_are_averaged() -> None:
     values = star_values(gallery.load("fig8-l-decreasing"), layout(gallery.load("fig8-l-decreasing")), plain_law())
     weights = np.zeros((1, STARS))
     weights[0, [0, 30]] = 0.5
-    rest = sheet_fields(StarPlaces(sp.csr_matrix(weights), values, (1, 1))).rest(np.zeros((1, 1, 2)))[0, 0]
+    rest = sheet_fields(places(sp.csr_matrix(weights), values, (1, 1))).rest(np.zeros((1, 1, 2)))[0, 0]
     lam = values.value["lam_n"][[0, 30]]
     assert 2.0 * rest[0] == pytest.approx(lam[0] * lam[1])
 
