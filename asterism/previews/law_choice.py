@@ -2,21 +2,29 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import cache, lru_cache
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from asterism.homogenize.errors import CampaignError, LawError
 from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.law_file import load_law
-from asterism.homogenize.law.plan import without_law
+from asterism.homogenize.law.motif_law import MotifLaw, problem_of_motif
+from asterism.homogenize.law.plan import Sizes, without_law
 from asterism.homogenize.law.star_law import StarLaw
-from asterism.pattern.design.design import Design
+from asterism.pattern.design.design import Design, leading_field
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
 from asterism.process.file_identity import file_identity
 from asterism.process.listeners import Say, ignore_line
 
 if TYPE_CHECKING:
-    from asterism.homogenize.campaign.campaign import SolveCell
+    from asterism.homogenize.campaign.campaign import SampleRecord, SolveCell
+    from asterism.homogenize.campaign.workers import CampaignProgress
+
+EXACT_ADVICE = "use the exact model: asterism simulate"
 
 
 @cache
@@ -90,6 +98,50 @@ def serving_law(
     for law in (named, before):
         if law is not None and law.covers(design, sheet):
             return law
-    from asterism.previews.learned_law import learned_law  # it loads the exact model
+    return _learned_law(design, sheet, before, say, respond)
 
-    return learned_law(design, sheet, before, say, respond)
+
+def _learned_law(
+    design: Design, sheet: Layout, before: Law[Any] | None, say: Say, respond: SolveCell | None = None
+) -> StarLaw | MotifLaw:
+    """The law of cells around the sizes of a design; a law `before` an edit keeps its cells if it is of its pattern."""
+    # these load the exact model
+    from asterism.homogenize.campaign.campaign import run_campaign
+    from asterism.homogenize.campaign.design_plan import plan_for_design
+    from asterism.homogenize.campaign.fit_law import fit_law
+    from asterism.homogenize.campaign.kept_samples import cells_folder, forget_oldest
+    from asterism.homogenize.campaign.workers import default_jobs
+
+    same, cells = None, set[Sizes]()
+    if before is not None:
+        try:
+            before.plan.check(design)
+            before.at(design.fabric.stretch_xy)
+            same, cells = before.plan, {tuple(each[name] for name in before.plan.names) for each in before.samples}
+        except LawError:
+            pass
+    plan = replace(plan_for_design(design, sheet, same), held_out=0)
+    tasks = plan.tasks_for_sizes(plan.sizes_on(design, sheet), cells)
+    records: list[SampleRecord] = []
+    solved_before = 0
+
+    def report(progress: CampaignProgress) -> None:
+        nonlocal solved_before
+        solved_before = solved_before if progress.last else progress.done
+        if progress.done < progress.total:
+            left = progress.seconds_left
+            seconds = "" if left is None else f", about {np.ceil(left):.0f} s"
+            number, count = progress.done - solved_before + 1, progress.total - solved_before
+            say(f"learning this fabric: cell {number} of {count}{seconds}")
+
+    try:
+        folder = cells_folder()
+        records = run_campaign(plan, folder, default_jobs(), report=report, respond=respond, tasks=tasks)
+        if solved_before < len(records):
+            forget_oldest(folder)
+        return fit_law(plan, records)
+    except CampaignError as error:
+        if design.rods is None:
+            raise LawError(f"{error}; {EXACT_ADVICE}") from None
+        message = problem_of_motif(next((record.failed for record in records if record.failed), str(error)))
+        raise LawError(f"{message}; {EXACT_ADVICE}", field=leading_field(message)) from None

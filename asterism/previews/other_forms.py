@@ -13,7 +13,7 @@ from asterism.fem.search.evidence import Trial
 from asterism.pattern.geometry.diameter import diameter
 from asterism.pattern.layout.free_motions import FreeMotions, free_motions
 from asterism.pattern.layout.symmetries import distances_of_images
-from asterism.previews.state import PreviewState
+from asterism.previews.solve import PreviewState
 from asterism.results.records.preview import OtherFormRecord
 
 # sheets with fewer stars or sites have no list of other forms, because these points cannot distinguish them

@@ -1,7 +1,7 @@
 """The printed sheet of a design with its law, for any pattern: outline, mesh, supports, and the triangles to show.
 
 `with_pattern` makes the sheet of an edited design; what the edit leaves as it is, is shared. Sheets of stars
-(`asterism.previews.sheet`) and of motifs of rods (`asterism.previews.motifs.motif_sheet`) differ in their values of the
+(`asterism.previews.sheet`) and of motifs of rods (`asterism.previews.motif_sheet`) differ in their values of the
 law, fields, weight and bumps, which subclasses give. All else, from mesh and supports to search and shape, is common.
 """
 
@@ -9,9 +9,8 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -61,7 +60,7 @@ class PrintSheet(ABC):
     mesh : coarse triangles of the shell.
     space : C1 quintic elements on these triangles.
     table : shape functions at the quadrature points.
-    shells : for each step a shell of this print, and the pins of its supports. Sheets of one print share them.
+    shells : for each step the pins of its supports, and a shell of this print. Sheets of one print share them.
     shown_edge : least edge of the triangles to show, over the spacing of the lattice.
     most_triangles : of the shell's mesh, unless the caller gives a number.
     """
@@ -180,10 +179,6 @@ class PrintSheet(ABC):
             and design.gravity == self.design.gravity
         )
 
-    def has_pins_of(self, layout: Layout) -> bool:
-        """Whether another layout of this print has its pins at the same positions in space."""
-        return _stand_alike(layout.pins, self.layout.pins)
-
     @cached_property
     def symmetries(self) -> list[Symmetry]:
         """Motions of the print that map the design to itself."""
@@ -218,38 +213,19 @@ class PrintSheet(ABC):
         # a sheet without supports would fall: gravity acts only from the step of the first supports on
         is_carried = self.layout.is_supported(step)
         loads = self.loads() if self.design.gravity.on and is_carried else np.zeros((self.space.size, 3))
-        if step in self.shells and _stand_alike(self.layout.pins, self.shells[step][0]):
-            return self.shells[step][1].with_fields(fields, loads)
-        with _named_pins():
-            shell = Shell(self.space, fields, conditions(self.layout, self.mesh, self.space.mesh, step), loads)
-        self.shells[step] = self.layout.pins, shell
+        held, pins = partial(conditions, self.layout, self.mesh, self.space.mesh, step), self.layout.pins
+        try:
+            if step not in self.shells:
+                shell = Shell(self.space, fields, held(), loads)
+            else:
+                before, shell = self.shells[step]
+                shell = shell.with_fields(fields, loads)
+                if not all(one.stands_as(other) for one, other in zip(pins, before, strict=True)):
+                    shell = shell.with_target(impose_conditions(self.space, held()).target)
+        except ConditionError as error:
+            raise DesignError("pins", f"cannot all hold: {error}") from None
+        self.shells[step] = pins, shell
         return shell
-
-    def support_target(self) -> Floats:
-        """(3N,) mm, target of all supports, for `Shell.with_target`.
-
-        Raises
-        ------
-        DesignError
-            The supports contradict each other.
-        """
-        step = self.layout.pin_steps[-1]
-        with _named_pins():
-            return impose_conditions(self.space, conditions(self.layout, self.mesh, self.space.mesh, step)).target
-
-
-@contextmanager
-def _named_pins() -> Iterator[None]:
-    """Supports that contradict each other become an error of the design's pins."""
-    try:
-        yield
-    except ConditionError as error:
-        raise DesignError("pins", f"cannot all hold: {error}") from None
-
-
-def _stand_alike(pins: tuple[PinSet, ...], others: tuple[PinSet, ...]) -> bool:
-    """Whether pins of one print hold it at the same positions in space."""
-    return all(one.stands_as(other) for one, other in zip(pins, others, strict=True))
 
 
 def conditions(layout: Layout, sheet: SheetMesh, mesh: MeshTri, step: int) -> list[Condition]:
@@ -260,11 +236,8 @@ def conditions(layout: Layout, sheet: SheetMesh, mesh: MeshTri, step: int) -> li
     sheet, mesh : the coarse mesh of the sheet, and the same mesh as a `MeshTri`.
     """
     active: list[Condition] = []
-    low, high = np.sort(mesh.facets, axis=0)
-    codes = low * mesh.nvertices + high
-    order = np.argsort(codes)
-    low, high = np.sort(sheet.rim, axis=1).T
-    facets = order[np.searchsorted(codes[order], low * mesh.nvertices + high)]
+    facet_of = {tuple(ends): number for number, ends in enumerate(np.sort(mesh.facets, axis=0).T.tolist())}
+    facets = np.array([facet_of[tuple(ends)] for ends in np.sort(sheet.rim, axis=1).tolist()])
     for number, pin in enumerate(layout.pins):
         if not pin.is_active(step):
             continue

@@ -7,14 +7,9 @@
    two soft modes; caps and arcs for supported sheets that are narrower than their natural size, soft or not.
 3. If one side is asked for, the lowest minimum on that side.
 
-**Further minima** near a given one: each of these functions returns the lowest of the given minimum and those that it
-reaches.
-
-- `perturb_along_softest_mode` starts on both sides of the minimum, along its softest mode.
-- `buckle` starts a sheet that its supports hold narrower than its natural size from caps and arcs: such a sheet
-  buckles, its form depends on the start, and all forms are stiff, so that no near-zero mode shows the others. Soft
-  modes need not point to the other forms either.
-- `is_inverted` detects sheets that lie completely on the wrong side of their supports.
+**Narrow sheets.** A sheet that its supports hold narrower than its natural size buckles. Its form depends on the start,
+and all forms are stiff, so that no near-zero mode shows the others. Soft modes need not point to the other forms
+either.
 
 **Near-zero modes** are motions of the sheet that cost little energy. A mode with the eigenvalue `s_i` (N/mm^3) of the
 Hessian against the printed area A would take the energy E at stake (`fem.search.evidence`) up to this amplitude, rms
@@ -29,6 +24,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -43,10 +40,30 @@ from asterism.fem.search.simple_shapes import SimpleShape
 from asterism.fem.shell.shell import Shell
 from asterism.pattern.geometry.rigid_fit import rigid_fit
 
+# two minima count as one form if their energies differ by less than this share
+EQUAL_ENERGY = 1e-3
 # smaller and negative eigenvalues are replaced by this one
 MIN_STIFFNESS_N_MM3 = 1e-12
 # % of the diameter: with a larger second amplitude the search tries further initial guesses; chosen by hand
 SECOND_AMPLITUDE_PERCENT = 18.0
+# the same for supported sheets, which are perturbed; chosen by hand
+PERTURBED_AMPLITUDE_PERCENT = 10.0
+# largest change of a degree of freedom in the perturbation, over the size of the sheet
+PERTURBATION = 0.04
+# sheets with a smaller ratio of supported size to natural size may buckle
+MIN_SIZE_RATIO = 0.95
+# about this many arcs are initial guesses for a narrow sheet
+ARC_GUESSES = 3
+# iterations for each guess of a narrow soft sheet: arcs take up to this many there
+SOFT_ITERATIONS = 30
+# an inverted sheet rises above its supports by less than this share of its depth below them
+MAX_RISE_SHARE = 0.1
+# a free sheet of equal stars whose natural turn from side to side is larger is a tube; caps are not tried
+MIN_TUBE_TURN_RAD = 3.0
+# curvatures of the caps that are tried, over the curvature of the last cap among the guesses
+CAP_CURVATURES = (1.0, 0.7)
+# kinds of initial guesses with an axis; caps are the others that are not flat
+ROLLED = {"arc", "bent", "saddle"}
 
 
 def is_equilibrium_near_another(
@@ -60,119 +77,15 @@ def is_equilibrium_near_another(
     return bool(100.0 / size * np.sqrt(2.0 * equilibrium.absolute_energy / (stiffness * area)) > percent)
 
 
-# two minima count as one form if their energies differ by less than this share
-EQUAL_ENERGY = 1e-3
-# an inverted sheet rises above its supports by less than this share of its depth below them
-MAX_RISE_SHARE = 0.1
-# sheets with a smaller ratio of supported size to natural size may buckle
-MIN_SIZE_RATIO = 0.95
-# about this many arcs are initial guesses for a narrow sheet
-ARC_GUESSES = 3
-# iterations for each guess of a narrow soft sheet: arcs take up to this many there
-SOFT_ITERATIONS = 30
-
-
-def perturb_along_softest_mode(
-    shell: Shell, factor: Factor, equilibrium: ShellEquilibrium, amplitude_mm: float
-) -> ShellEquilibrium:
-    """The lowest of a minimum and of those that a perturbation along its softest mode leads to, in both directions.
-
-    Parameters
-    ----------
-    amplitude_mm : largest change of a degree of freedom.
-    """
-    mode = softest_shell_modes(shell, equilibrium.x, factor, 1)[1][:, 0]
-    step = amplitude_mm / np.abs(shell.move(np.zeros_like(equilibrium.x), mode)).max() * mode
-    starts = [(shell.move(equilibrium.x, sign * step), "pushed") for sign in (1.0, -1.0)]
-    others = _followed(shell, factor, equilibrium, starts, patient=True)
-    return lowest(shell, factor, equilibrium, others)
-
-
 def is_narrow(means: MeanFields) -> bool:
     """Whether the supports hold the sheet narrower than its natural size."""
     return means.chord < MIN_SIZE_RATIO * means.stretch
-
-
-def buckle(
-    shell: Shell,
-    factor: Factor,
-    equilibrium: ShellEquilibrium,
-    means: MeanFields,
-    guesses: Sequence[SimpleShape],
-    is_soft: bool,
-) -> ShellEquilibrium:
-    """The lowest of a minimum and of those that caps and a few arcs, taken from the guesses, lead to.
-
-    For a soft sheet these are the tightest cap and arcs in three directions.
-    """
-    builder = GuessBuilder(shell, factor, means.centre, means.stretch)
-    caps = [shape for shape in guesses if shape.name == "cap"]
-    arcs = [shape for shape in guesses if shape.name in ("arc", "bent")]
-    if is_soft:
-        caps = sorted(caps, key=lambda shape: abs(shape.curvature))[-1:]
-        arcs = [shape for shape in arcs if replace(shape, angle=arcs[0].angle) == arcs[0]]
-    tried = caps + arcs[:: max(len(arcs) // ARC_GUESSES, 1)]
-    relaxed, most = [builder.relax_in_plane(builder.bend(shape)) for shape in tried], MAX_FURTHER_ITERATIONS
-    if is_soft:
-        relaxed.sort(key=lambda guess: guess.energy)
-        limit, most = (MAX_ENERGY_RATIO - 1.0) * abs(relaxed[0].energy), SOFT_ITERATIONS
-        relaxed = [guess for guess in relaxed if guess.energy - relaxed[0].energy <= limit]
-    starts = ((guess.x, guess.shape.name) for guess in relaxed)
-    others = _followed(shell, factor, equilibrium, starts, max_iterations=most)
-    low = min(others, key=lambda other: other.energy)
-    if not is_soft and not low.is_minimum and low.energy < equilibrium.energy:
-        others.append(follow(shell, low.x, factor, low.guess))
-    return lowest(shell, factor, equilibrium, others)
-
-
-def _followed(
-    shell: Shell,
-    factor: Factor,
-    equilibrium: ShellEquilibrium,
-    starts: Iterable[tuple[Floats, str]],
-    patient: bool = False,
-    max_iterations: int = MAX_FURTHER_ITERATIONS,
-) -> list[ShellEquilibrium]:
-    """The equilibria that states with names lead to; arguments as in `follow`. A known minimum is met early."""
-    others: list[ShellEquilibrium] = []
-    for x, name in starts:
-        known = [each.x for each in (equilibrium, *others) if each.is_minimum]
-        others.append(follow(shell, x, factor, name, patient=patient, max_iterations=max_iterations, known=known))
-    return others
 
 
 def is_inverted(shell: Shell, x: Floats, side: Side) -> bool:
     """Whether a supported sheet x (N, 3) lies completely on the wrong side of its supports for the given side."""
     heights = (shell.node_positions(x)[:, 2] - shell.support_level[2]) * (1.0 if side == "down" else -1.0)
     return bool(heights.min() < -FLAT_SAG_MM and heights.max() < MAX_RISE_SHARE * -heights.min())
-
-
-def lowest(
-    shell: Shell, factor: Factor, equilibrium: ShellEquilibrium, others: Sequence[ShellEquilibrium]
-) -> ShellEquilibrium:
-    """The lowest of several minima, with the history of all attempts; the factor then holds its Hessian."""
-    best = equilibrium
-    for other in others:
-        if other.is_minimum and other.energy < best.energy - EQUAL_ENERGY * abs(best.energy):
-            best = other
-    factorise(shell, best.x, factor)
-    if best is not equilibrium:
-        best = replace(best, soft_modes=softest_shell_modes(shell, best.x, factor)[0])
-    return replace(best, trials=equilibrium.trials + tuple(trial for other in others for trial in other.trials))
-
-
-# a free sheet of equal stars whose natural turn from side to side is larger is a tube; caps are not tried
-MIN_TUBE_TURN_RAD = 3.0
-# curvatures of the caps that are tried, over the curvature of the last cap among the guesses
-CAP_CURVATURES = (1.0, 0.7)
-# kinds of initial guesses with an axis
-ROLLED = {"arc", "bent", "saddle"}
-# kinds of initial guesses that are not flat
-KINDS = ROLLED | {"cap"}
-# supported sheets whose second softest mode has a larger amplitude, in % of the diameter, are perturbed; chosen by hand
-PERTURBED_AMPLITUDE_PERCENT = 10.0
-# amplitude of the perturbation, over the size of the sheet
-PERTURBATION = 0.04
 
 
 @dataclass(frozen=True)
@@ -196,94 +109,151 @@ def find_equilibrium(shell: Shell, factor: Factor, side: Side, traits: SheetTrai
 
     The factor then holds the exact Hessian at the equilibrium, if that is definite.
     """
-    equilibrium = _lowest_on_any_side(shell, factor, side, traits)
+    search = _Search(shell, factor, side, traits)
+    equilibrium = search.lowest_on_any_side()
     if side == "auto" or side_of(shell, equilibrium.x) == side:
         return equilibrium
-    return _lowest_on_side(shell, factor, equilibrium, side, traits.turns)
+    return search.lowest_on_side(equilibrium)
 
 
-def _lowest_on_side(
-    shell: Shell, factor: Factor, equilibrium: ShellEquilibrium, side: Side, turns: Sequence[Floats]
-) -> ShellEquilibrium:
-    """The lowest minimum on a side, from guesses there if none was met yet; `equilibrium` if that side has none."""
+@dataclass(eq=False)
+class _Search:
+    """The search for the lowest minimum of a shell; see `find_equilibrium`."""
 
-    def on_side() -> list[Trial]:
-        return [trial for trial in equilibrium.trials if trial.is_minimum and side_of(shell, trial.x) == side]
+    shell: Shell
+    factor: Factor
+    side: Side
+    traits: SheetTraits
 
-    bent = [shape for shape in candidate_shapes(mean_fields(shell), shell.extent, side) if shape.name != "flat"]
-    if not on_side() and bent:
-        more = relax(shell, factor, side, bent, len(KINDS), symmetries=turns)
-        equilibrium = replace(equilibrium, trials=equilibrium.trials + more.trials)
-    best = min(on_side(), key=lambda trial: trial.energy, default=None)
-    if best is None:
-        factorise(shell, equilibrium.x, factor)
-        return equilibrium
-    there = follow(shell, best.x, factor, best.name)  # best.x is a minimum; this recomputes evidence and factor
-    stiffness = softest_shell_modes(shell, there.x, factor)[0]
-    return replace(there, trials=equilibrium.trials, soft_modes=stiffness, iterations=best.iterations)
+    @cached_property
+    def means(self) -> MeanFields:
+        return mean_fields(self.shell)
 
+    def guesses(self, *names: str) -> list[SimpleShape]:
+        """The simple shapes of these kinds, or all of them."""
+        shapes = candidate_shapes(self.means, self.shell.extent, self.side)
+        return [shape for shape in shapes if shape.name in names or not names]
 
-def _lowest_on_any_side(shell: Shell, factor: Factor, side: Side, traits: SheetTraits) -> ShellEquilibrium:
-    """The lowest minimum; the guesses are on the requested side, but may lead to the other one."""
-    free = len(shell.fixed_points) == 0
-    means, size, turns = mean_fields(shell), shell.extent, traits.turns
-    if free and traits.has_equal_stars and abs(means.curvature) * means.stretch * size > MIN_TUBE_TURN_RAD:
-        tubes = [shape for shape in candidate_shapes(means, size, side) if shape.name in ("arc", "flat")]
-        tube = relax(shell, factor, side, tubes, max_guesses=1, symmetries=turns)
-        if tube.is_minimum:
-            return tube
-    equilibrium = relax(shell, factor, side, symmetries=turns)
-    guesses, natural_size = candidate_shapes(means, size, side), means.stretch * size
-    if free:
-        near_another = is_equilibrium_near_another(shell, equilibrium, natural_size)
-        return _lowest_free(shell, factor, equilibrium, side, traits, guesses, near_another)
-    right_side = means.side if side == "auto" else side
-    if equilibrium.is_minimum and equilibrium.guess != "flat" and is_inverted(shell, equilibrium.x, right_side):
-        flat = [shape for shape in guesses if shape.name == "flat"]
-        equilibrium = lowest(shell, factor, equilibrium, [relax(shell, factor, side, flat, max_guesses=1)])
-    if not equilibrium.is_minimum:
-        return equilibrium
-    is_soft = is_equilibrium_near_another(shell, equilibrium, natural_size, PERTURBED_AMPLITUDE_PERCENT)
-    if is_soft:
-        equilibrium = perturb_along_softest_mode(shell, factor, equilibrium, PERTURBATION * size)
-    return buckle(shell, factor, equilibrium, means, guesses, is_soft) if is_narrow(means) else equilibrium
+    def relax(self, shapes: Sequence[SimpleShape] | None = None, **limits: Any) -> ShellEquilibrium:
+        return relax(self.shell, self.factor, self.side, shapes, symmetries=self.traits.turns, **limits)
 
+    def lowest_on_side(self, equilibrium: ShellEquilibrium) -> ShellEquilibrium:
+        """The lowest minimum on the side, from guesses there if none was met yet; `equilibrium` if it has none."""
+        shell, factor = self.shell, self.factor
 
-def _lowest_free(
-    shell: Shell,
-    factor: Factor,
-    equilibrium: ShellEquilibrium,
-    side: Side,
-    traits: SheetTraits,
-    guesses: Sequence[SimpleShape],
-    near_another: bool,
-) -> ShellEquilibrium:
-    """The lowest of a free sheet's equilibrium and of those that further kinds of guesses lead to."""
-    tried = {trial.name for trial in equilibrium.trials} - ROLLED | {"flat"}
-    if sum(trial.name in ROLLED for trial in equilibrium.trials) > 1:
-        tried |= ROLLED  # these have been tried in several directions
-    offers: list[list[SimpleShape]] = []
-    caps = [shape for shape in guesses if shape.name == "cap"]
-    if traits.has_tight_curls and caps and "cap" not in tried:
-        offers = [[replace(caps[-1], curvature=share * caps[-1].curvature)] for share in CAP_CURVATURES]
-    elif near_another and len(traits.turns) <= 1:
-        offers = _by_direction([shape for shape in guesses if shape.name not in tried])
-    best, trials = equilibrium, equilibrium.trials
-    for offer in filter(None, offers):
-        other = relax(shell, factor, side, offer, max_guesses=1, symmetries=traits.turns)
-        energies = [trial.energy for trial in trials if trial.is_minimum]
-        trials += other.trials
-        margin = EQUAL_ENERGY * abs(other.energy)
-        if other.is_minimum and all(other.energy < energy - margin for energy in energies):
-            best = other
-    if len(trials) > len(equilibrium.trials):
-        factorise(shell, best.x, factor)
-    return replace(best, trials=trials)
+        def on_side() -> list[Trial]:
+            return [trial for trial in equilibrium.trials if trial.is_minimum and side_of(shell, trial.x) == self.side]
 
+        kinds = (*ROLLED, "cap")
+        if not on_side() and (bent := self.guesses(*kinds)):
+            more = self.relax(bent, max_guesses=len(kinds))
+            equilibrium = replace(equilibrium, trials=equilibrium.trials + more.trials)
+        best = min(on_side(), key=lambda trial: trial.energy, default=None)
+        if best is None:
+            factorise(shell, equilibrium.x, factor)
+            return equilibrium
+        there = follow(shell, best.x, factor, best.name)  # best.x is a minimum; this recomputes evidence and factor
+        stiffness = softest_shell_modes(shell, there.x, factor)[0]
+        return replace(there, trials=equilibrium.trials, soft_modes=stiffness, iterations=best.iterations)
 
-def _by_direction(guesses: Sequence[SimpleShape]) -> list[list[SimpleShape]]:
-    """The guesses by the direction of their axis, in three sectors of 60 degrees; caps are in the first sector."""
-    return [[shape for shape in guesses if int(3.0 * shape.angle / np.pi) == third] for third in range(3)]
+    def lowest_on_any_side(self) -> ShellEquilibrium:
+        """The lowest minimum; the guesses are on the requested side, but may lead to the other one."""
+        shell, means, natural_size = self.shell, self.means, self.means.stretch * self.shell.extent
+        if len(shell.fixed_points) == 0:
+            if self.traits.has_equal_stars and abs(means.curvature) * natural_size > MIN_TUBE_TURN_RAD:
+                tube = self.relax(self.guesses("arc", "flat"), max_guesses=1)
+                if tube.is_minimum:
+                    return tube
+            return self._lowest_free(self.relax())
+        equilibrium = self.relax()
+        right_side = means.side if self.side == "auto" else self.side
+        if equilibrium.is_minimum and equilibrium.guess != "flat" and is_inverted(shell, equilibrium.x, right_side):
+            equilibrium = self._lowest(equilibrium, [self.relax(self.guesses("flat"), max_guesses=1)])
+        if not equilibrium.is_minimum:
+            return equilibrium
+        is_soft = is_equilibrium_near_another(shell, equilibrium, natural_size, PERTURBED_AMPLITUDE_PERCENT)
+        if is_soft:
+            equilibrium = self._perturbed(equilibrium)
+        return self._buckled(equilibrium, is_soft) if is_narrow(means) else equilibrium
+
+    def _lowest_free(self, equilibrium: ShellEquilibrium) -> ShellEquilibrium:
+        """The lowest of a free sheet's equilibrium and of those that further kinds of guesses lead to."""
+        natural_size = self.means.stretch * self.shell.extent
+        tried = {trial.name for trial in equilibrium.trials} - ROLLED | {"flat"}
+        if sum(trial.name in ROLLED for trial in equilibrium.trials) > 1:
+            tried |= ROLLED  # these have been tried in several directions
+        offers: list[list[SimpleShape]] = []
+        caps = self.guesses("cap")
+        if self.traits.has_tight_curls and caps and "cap" not in tried:
+            offers = [[replace(caps[-1], curvature=share * caps[-1].curvature)] for share in CAP_CURVATURES]
+        elif len(self.traits.turns) <= 1 and is_equilibrium_near_another(self.shell, equilibrium, natural_size):
+            rest = [shape for shape in self.guesses() if shape.name not in tried]
+            # by the direction of the axis, in three sectors of 60 degrees; caps are in the first one
+            offers = [[shape for shape in rest if int(3.0 * shape.angle / np.pi) == third] for third in range(3)]
+        best, trials = equilibrium, equilibrium.trials
+        for offer in filter(None, offers):
+            other = self.relax(offer, max_guesses=1)
+            energies = [trial.energy for trial in trials if trial.is_minimum]
+            trials += other.trials
+            margin = EQUAL_ENERGY * abs(other.energy)
+            if other.is_minimum and all(other.energy < energy - margin for energy in energies):
+                best = other
+        if len(trials) > len(equilibrium.trials):
+            factorise(self.shell, best.x, self.factor)
+        return replace(best, trials=trials)
+
+    def _perturbed(self, equilibrium: ShellEquilibrium) -> ShellEquilibrium:
+        """The lowest of a minimum and of those that a perturbation along its softest mode leads to, both ways."""
+        shell = self.shell
+        mode = softest_shell_modes(shell, equilibrium.x, self.factor, 1)[1][:, 0]
+        step = PERTURBATION * shell.extent / np.abs(shell.move(np.zeros_like(equilibrium.x), mode)).max() * mode
+        starts = [(shell.move(equilibrium.x, sign * step), "pushed") for sign in (1.0, -1.0)]
+        return self._lowest(equilibrium, self._followed(equilibrium, starts, patient=True))
+
+    def _buckled(self, equilibrium: ShellEquilibrium, is_soft: bool) -> ShellEquilibrium:
+        """The lowest of a narrow sheet's minimum and of those that caps and a few arcs lead to.
+
+        For a soft sheet these are the tightest cap and arcs in three directions.
+        """
+        shell, factor = self.shell, self.factor
+        builder = GuessBuilder(shell, factor, self.means.centre, self.means.stretch)
+        caps, arcs = self.guesses("cap"), self.guesses("arc", "bent")
+        if is_soft:
+            caps = sorted(caps, key=lambda shape: abs(shape.curvature))[-1:]
+            arcs = [shape for shape in arcs if replace(shape, angle=arcs[0].angle) == arcs[0]]
+        tried = caps + arcs[:: max(len(arcs) // ARC_GUESSES, 1)]
+        relaxed, most = [builder.relax_in_plane(builder.bend(shape)) for shape in tried], MAX_FURTHER_ITERATIONS
+        if is_soft:
+            relaxed.sort(key=lambda guess: guess.energy)
+            limit, most = (MAX_ENERGY_RATIO - 1.0) * abs(relaxed[0].energy), SOFT_ITERATIONS
+            relaxed = [guess for guess in relaxed if guess.energy - relaxed[0].energy <= limit]
+        starts = ((guess.x, guess.shape.name) for guess in relaxed)
+        others = self._followed(equilibrium, starts, patient=False, max_iterations=most)
+        low = min(others, key=lambda other: other.energy)
+        if not is_soft and not low.is_minimum and low.energy < equilibrium.energy:
+            others.append(follow(shell, low.x, factor, low.guess))
+        return self._lowest(equilibrium, others)
+
+    def _followed(
+        self, equilibrium: ShellEquilibrium, starts: Iterable[tuple[Floats, str]], **limits: Any
+    ) -> list[ShellEquilibrium]:
+        """The equilibria that states with names lead to, see `follow`; a known minimum is met early."""
+        others: list[ShellEquilibrium] = []
+        for x, name in starts:
+            known = [each.x for each in (equilibrium, *others) if each.is_minimum]
+            others.append(follow(self.shell, x, self.factor, name, known=known, **limits))
+        return others
+
+    def _lowest(self, equilibrium: ShellEquilibrium, others: Sequence[ShellEquilibrium]) -> ShellEquilibrium:
+        """The lowest of several minima, with the history of all attempts; the factor then holds its Hessian."""
+        best = equilibrium
+        for other in others:
+            if other.is_minimum and other.energy < best.energy - EQUAL_ENERGY * abs(best.energy):
+                best = other
+        factorise(self.shell, best.x, self.factor)
+        if best is not equilibrium:
+            best = replace(best, soft_modes=softest_shell_modes(self.shell, best.x, self.factor)[0])
+        return replace(best, trials=equilibrium.trials + tuple(trial for other in others for trial in other.trials))
 
 
 # number of steps in which supported degrees of freedom move to their places

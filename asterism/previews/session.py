@@ -27,21 +27,9 @@ from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from asterism.previews.other_forms import other_forms
 from asterism.previews.places import Places
 from asterism.previews.print_sheet import PrintSheet
-from asterism.previews.sheets import keep_print, preview_layout, sheet_for
-from asterism.previews.shown_shape import shown_shape
-from asterism.previews.solve import (
-    at_form,
-    followed,
-    kept_form,
-    printed,
-    respond,
-    restarted,
-    state_from_guesses,
-    with_near_zero_modes,
-    with_sheet,
-)
-from asterism.previews.state import PreviewState
-from asterism.previews.summary import summary
+from asterism.previews.sheet import keep_print, preview_layout, sheet_for
+from asterism.previews.shown_shape import shown_shape, summary
+from asterism.previews.solve import PreviewState
 from asterism.process.listeners import Say, ignore_line
 from asterism.results.records.preview import OtherFormRecord
 from asterism.shape.shape import Shape
@@ -198,7 +186,6 @@ class Preview:
         self._say, self._check = say or ignore_line, check
         self._watch = Watch(check, max_seconds)
         self._clock = Clock()
-        self._edits = 0
         self.state = self._searched(self._sheet(design, model, plan=plan), side)
 
     def _begin(self) -> None:
@@ -297,7 +284,7 @@ class Preview:
         DesignError, MeshError, LawError, SearchLimitError
             As for a new preview, which keeps its state before the edit.
         RuntimeError
-            A later edit or a flip has begun before this edit was complete.
+            A later edit or a flip has changed the state before this edit was complete.
         TypeError
             `design` is not a design; raised at once.
         """
@@ -317,23 +304,21 @@ class Preview:
             state = self.state
             sheet = self._sheet(design, state.sheet.model, before=state.sheet)
             if sheet.space is state.sheet.space:
-                state = respond(with_sheet(state, sheet, self._clock), self._clock)
+                state = state.on(sheet, self._clock).respond(self._clock)
             else:
-                kept = kept_form(state, sheet, self._clock) if keep_form else None
+                kept = state.kept_form(sheet, self._clock) if keep_form else None
                 state = kept or self._searched(sheet, state.side)
             self.state = state
-            self._edits += 1
-            number = self._edits
         if state.response is not None:
-            yield Stage("linear", self.state.x.copy())
-            if self._edits != number:
+            yield Stage("linear", state.x.copy())
+            if self.state.response is not state.response:
                 raise RuntimeError("this edit was overtaken by a later one, or by a flip")
             with one_blas_thread():
                 self._watch.begin()
                 # the search overwrites the factor: if it is interrupted, the state must record that
                 self.state = replace(self.state, is_factor_resting=False)
                 try:
-                    self.state = followed(self.state, self._clock)
+                    self.state = self.state.followed(self._clock)
                 except BaseException:
                     if self._watch.has_stopped:
                         self.state = replace(before, is_factor_resting=False)
@@ -347,11 +332,10 @@ class Preview:
         If the search finds no form on the other side, the preview keeps its state.
         """
         self._begin()
-        self._edits += 1
         state = self.state
         side = side_of(state.shell, state.equilibrium.x)
         side = mean_fields(state.shell).side if side == "auto" else side
-        flipped = restarted(state, self._clock, OTHER_SIDE[side])
+        flipped = state.restarted(self._clock, OTHER_SIDE[side])
         if side_of(flipped.shell, flipped.equilibrium.x) != flipped.side:
             return side
         self.state = flipped
@@ -361,8 +345,7 @@ class Preview:
     def search_again(self) -> Stage:
         """Search for the equilibrium from initial guesses, as a new preview does; raises the errors of `edit`."""
         self._begin()
-        self._edits += 1
-        self.state = restarted(self.state, self._clock)
+        self.state = self.state.restarted(self._clock)
         return Stage("equilibrium", self.state.x.copy())
 
     def snapshot(self) -> Snapshot:
@@ -404,10 +387,8 @@ class Preview:
     def _at_form(self, design: Design, x: Floats) -> Stage:
         """The equilibrium of a design near degrees of freedom x (N, 3) of the shell."""
         self._begin()
-        self._edits += 1
         sheet = self._sheet(design, self.state.sheet.model, before=self.state.sheet)
-        same = sheet.space is self.state.sheet.space
-        state = (with_sheet if same else printed)(self.state, sheet, self._clock)
+        state = self.state.on(sheet, self._clock)
         if design != self.state.design:
             state = replace(state, resting=replace(state.resting, trials=()))  # other forms of another sheet
         if x.shape != state.shell.flat.shape:
@@ -415,7 +396,7 @@ class Preview:
             raise SnapshotError(f"{problem}: it is of another mesh")
         if state.factor is self.state.factor:
             self.state = replace(self.state, is_factor_resting=False)  # the search overwrites the factor
-        self.state = at_form(state, x, self._clock)
+        self.state = state.at_form(x, self._clock)
         return Stage("equilibrium", self.state.x.copy())
 
     def __reduce__(self) -> NoReturn:
@@ -430,7 +411,7 @@ class Preview:
     @one_blas_thread()
     def shape(self) -> Shape:
         """The shape, with the bumps of the stars, and its summary."""
-        self.state = state = with_near_zero_modes(self.state, self._clock)
+        self.state = state = self.state.with_near_zero_modes(self._clock)
         with self._clock("shown"):
             shape = shown_shape(state)
         keep_print(state.sheet)
@@ -474,7 +455,7 @@ class Preview:
         pattern = f"{stars} star{'s' * (stars > 1)}" if stars else f"{rods} rod{'s' * (rods > 1)}"
         patience = ": this may take a minute" if count > PATIENCE_TRIANGLES else ""
         self._say(f"{pattern} on {count} triangles{patience}")
-        state = state_from_guesses(sheet, side, self._clock, self._watch)
+        state = PreviewState.from_guesses(sheet, side, self._clock, self._watch)
         keep_print(sheet)
         return state
 

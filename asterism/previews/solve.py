@@ -1,12 +1,18 @@
-"""New states of a preview: from a design, from another state after an edit, or on a given side.
+"""The state of a preview: all that it has computed, as one frozen value, and the states that changes lead to.
 
-Each function returns a state, and leaves the one it was given as it is, but for the content of the factor.
+A change of the design makes a new state from the old one, and the session then replaces the old by the new one as a
+whole. So an edit that fails or is interrupted leaves the old state, but for the content of the factor. States share
+what did not change: mesh, smoothed cells, supports, and the factor.
+
+The linear response of an edit gives a picture its positions. Its energies and its gradient would take a third of the
+time of a response, and are computed when a summary asks for them.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -14,13 +20,15 @@ from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.clock import Clock
 from asterism.equilibrium.linear.factor import Factor
 from asterism.fem.search.evidence import ShellEquilibrium
-from asterism.fem.search.linear_response import linear_response
+from asterism.fem.search.linear_response import Response, linear_response
 from asterism.fem.search.mean_fields import Side
-from asterism.fem.search.relax import factorise, follow, softest_shell_modes
+from asterism.fem.search.relax import energies_by_part, factorise, follow, softest_shell_modes
+from asterism.fem.shell.shell import Shell
+from asterism.pattern.design.design import Design
+from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.symmetries import Symmetry
 from asterism.previews.print_sheet import PrintSheet
 from asterism.previews.search_minima import SheetTraits, apply_supports, find_equilibrium
-from asterism.previews.state import PreviewState
 
 # name of the start of an equilibrium that an edit led to
 EDIT_START = "edit"
@@ -28,149 +36,196 @@ EDIT_START = "edit"
 FORM_START = "form"
 
 
-def state_from_guesses(sheet: PrintSheet, side: Side, clock: Clock, watch: Callable[[], None]) -> PreviewState:
-    """The state at the equilibrium that initial guesses lead to, after all supports have taken hold.
+@dataclass(frozen=True, eq=False)
+class PreviewState:
+    """A design, its shell, and the shell's state, for any pattern. The functions that return a state do not change it.
 
-    `watch` is called at least once in each Newton iteration, here and in later searches from this state.
-
-    Raises
-    ------
-    DesignError
-        The supports contradict each other.
-    LawError
-        The rest metric is not positive definite.
+    Attributes
+    ----------
+    sheet : the print with its law, its mesh and its model.
+    side : to which the edges were asked to go.
+    shell : with the supports of all steps.
+    resting : the last equilibrium, from which edits go on.
+    factor : a solver for the shell's Hessians. Its content changes while an equilibrium is sought.
+    watch : called at least once in each Newton iteration; an error that it raises ends the search.
+    is_factor_resting : whether the factor holds the Hessian at `resting`.
+    response : after the first stage of an edit, the linear response, which is shown in place of `resting`.
     """
-    with clock("fields"):
-        values = sheet.values
-        fields = sheet.fields(values)
-    was_free = True
-    for step in sheet.layout.pin_steps:
+
+    sheet: PrintSheet
+    side: Side
+    shell: Shell
+    resting: ShellEquilibrium
+    factor: Factor
+    watch: Callable[[], None]
+    is_factor_resting: bool = True
+    response: Response | None = None
+
+    @classmethod
+    def from_guesses(cls, sheet: PrintSheet, side: Side, clock: Clock, watch: Callable[[], None]) -> PreviewState:
+        """The state at the equilibrium that initial guesses lead to, after all supports have taken hold.
+
+        Raises
+        ------
+        DesignError
+            The supports contradict each other.
+        LawError
+            The rest metric is not positive definite.
+        """
+        with clock("fields"):
+            values = sheet.values
+            fields = sheet.fields(values)
+        was_free = True
+        for step in sheet.layout.pin_steps:
+            with clock("shell"):
+                shell = sheet.shell(fields, step)
+            factor = WatchedFactor(shell.factor(), watch)
+            if step == 0:
+                symmetries: list[Symmetry] = []
+                if shell.is_free:
+                    with clock("symmetries"):
+                        symmetries = sheet.symmetries
+                traits = SheetTraits(values.is_uniform, values.has_tight_curls, [each.turn for each in symmetries])
+                with clock("equilibrium"):
+                    equilibrium = find_equilibrium(shell, factor, side, traits)
+            else:
+                with clock("pins"):
+                    equilibrium = apply_supports(shell, factor, equilibrium.x, was_free)
+            was_free = len(shell.fixed_points) == 0
+        equilibrium = replace(equilibrium, state=shell.shifted_to_ground(equilibrium.x))
+        return cls(sheet, side, shell, equilibrium, factor, watch)
+
+    @cached_property
+    def x(self) -> Floats:
+        """(N, 3) mm, positions of the shell's dofs as shown."""
+        return self.resting.x if self.response is None else self.shell.shifted_to_ground(self.response.x)
+
+    @cached_property
+    def equilibrium(self) -> ShellEquilibrium:
+        """What is shown, with its certificate; a linear response is a minimum only if the edit changes nothing."""
+        shell, resting, response = self.shell, self.resting, self.response
+        if response is None:
+            return resting
+        gradient = float(np.linalg.norm(shell.gradient(response.x)))
+        definite = resting.definite and gradient <= resting.tolerance
+        return replace(
+            resting,
+            state=self.x,
+            strains=response.strains,
+            energy=shell.energy(response.x),
+            energies=energies_by_part(shell, response.x),
+            gradient_norm=gradient,
+            definite=definite,
+            soft_modes=resting.soft_modes if definite else np.empty(0),
+            trials=(),
+        )
+
+    @property
+    def design(self) -> Design:
+        """The design that is previewed."""
+        return self.sheet.design
+
+    @property
+    def layout(self) -> Layout:
+        """Its layout."""
+        return self.sheet.layout
+
+    @property
+    def is_supported(self) -> bool:
+        """Whether supports act along the print; a sheet that slides on all of its supports counts as free."""
+        return self.layout.is_supported_in_plane
+
+    def on(self, sheet: PrintSheet, clock: Clock) -> PreviewState:
+        """The state with another sheet and all of its supports.
+
+        On a sheet of the same print, with another pattern or with pins at other places in space, its equilibrium is
+        still that of the old sheet. On another print it is none, but the printed sheet.
+
+        Raises
+        ------
+        DesignError
+            The supports contradict each other.
+        LawError
+            The rest metric is not positive definite.
+        """
+        with clock("fields"):
+            fields = sheet.fields(sheet.values)
         with clock("shell"):
-            shell = sheet.shell(fields, step)
-        factor = WatchedFactor(shell.factor(), watch)
-        if step == 0:
-            symmetries: list[Symmetry] = []
-            if shell.is_free:
-                with clock("symmetries"):
-                    symmetries = sheet.symmetries
-            traits = SheetTraits(values.is_uniform, values.has_tight_curls, [each.turn for each in symmetries])
-            with clock("equilibrium"):
-                equilibrium = find_equilibrium(shell, factor, side, traits)
-        else:
-            with clock("pins"):
-                equilibrium = apply_supports(shell, factor, equilibrium.x, was_free)
-        was_free = len(shell.fixed_points) == 0
-    equilibrium = replace(equilibrium, state=shell.shifted_to_ground(equilibrium.x))
-    return PreviewState(sheet, side, shell, equilibrium, factor, watch)
+            shell = sheet.shell(fields, sheet.layout.pin_steps[-1])
+            if sheet.space is self.sheet.space:
+                return replace(self, sheet=sheet, shell=shell)
+            x = shell.flat
+            start = ShellEquilibrium(x, np.inf, np.inf, 0.0, strains=shell.strains(x), energies={}, guess="printed")
+            factor = WatchedFactor(shell.factor(), self.watch)
+        return PreviewState(sheet, self.side, shell, start, factor, self.watch, is_factor_resting=False)
 
+    def kept_form(self, sheet: PrintSheet, clock: Clock) -> PreviewState | None:
+        """The state of another print, started from the resting equilibrium; None if the print reaches far beyond."""
+        new, space = self.on(sheet, clock), self.sheet.space
+        try:
+            with clock("shell"):
+                x = sheet.space.interpolate(lambda points: space.locate(points).jets(self.resting.x))
+        except ValueError:
+            return None
+        return new.at_form(x, clock)
 
-def printed(state: PreviewState, sheet: PrintSheet, clock: Clock) -> PreviewState:
-    """The state of another sheet with all of its supports, at the printed sheet in place of an equilibrium.
+    def respond(self, clock: Clock) -> PreviewState:
+        """The state with the linear response of its resting equilibrium to a change.
 
-    Raises
-    ------
-    DesignError, LawError
-        As for `state_from_guesses`.
-    """
-    with clock("shell"):
-        shell = sheet.shell(sheet.fields(sheet.values), sheet.layout.pin_steps[-1])
-        x = shell.flat
-        start = ShellEquilibrium(x, np.inf, np.inf, 0.0, strains=shell.strains(x), energies={}, guess="printed")
-        factor = WatchedFactor(shell.factor(), state.watch)
-    return PreviewState(sheet, state.side, shell, start, factor, state.watch, is_factor_resting=False)
+        If the factor had lost the resting equilibrium, and that is unstable after the change, it is a new equilibrium.
+        """
+        state, resting = self.with_resting_factor(), self.resting
+        if not state.is_factor_resting:
+            return self.restarted(clock)
+        with clock("linear response"):
+            return replace(state, response=linear_response(self.shell, resting.x, self.factor))
 
+    def followed(self, clock: Clock) -> PreviewState:
+        """The state at the equilibrium that its linear response leads to, or from guesses if that is no minimum."""
+        response = self.response
+        assert response is not None
+        with clock("equilibrium"):
+            equilibrium = follow(self.shell, response.x, self.factor, EDIT_START, response.strains)
+        return self._at_rest(equilibrium) if equilibrium.is_minimum else self.restarted(clock)
 
-def kept_form(state: PreviewState, sheet: PrintSheet, clock: Clock) -> PreviewState | None:
-    """The state of another sheet, started from the resting equilibrium of a state; None if it reaches far beyond."""
-    new, space = printed(state, sheet, clock), state.sheet.space
-    try:
-        with clock("shell"):
-            x = sheet.space.interpolate(lambda points: space.locate(points).jets(state.resting.x))
-    except ValueError:
-        return None
-    return at_form(new, x, clock)
+    def restarted(self, clock: Clock, side: Side | None = None) -> PreviewState:
+        """The state of the same design from guesses, on another side if one is given."""
+        return PreviewState.from_guesses(self.sheet, side or self.side, clock, self.watch)
 
+    def at_form(self, x: Floats, clock: Clock) -> PreviewState:
+        """The state at the equilibrium near positions x (N, 3) of the shell's dofs, with the trials of the last one.
 
-def with_sheet(state: PreviewState, sheet: PrintSheet, clock: Clock) -> PreviewState:
-    """The state with another sheet of the same print: another pattern, and pins at other places in space.
+        The state is that from guesses if x leads to no minimum.
+        """
+        with clock("equilibrium"):
+            equilibrium = follow(self.shell, self.shell.constrain(x), self.factor, FORM_START)
+        if not equilibrium.is_minimum:
+            return self.restarted(clock)
+        trials = self.resting.trials
+        return self._at_rest(replace(equilibrium, trials=trials if len(trials) > 1 else equilibrium.trials))
 
-    Its equilibrium is still that of the old sheet.
+    def _at_rest(self, equilibrium: ShellEquilibrium) -> PreviewState:
+        """The state at an equilibrium, on the ground."""
+        equilibrium = replace(equilibrium, state=self.shell.shifted_to_ground(equilibrium.x))
+        return replace(self, resting=equilibrium, is_factor_resting=True, response=None)
 
-    Raises
-    ------
-    DesignError
-        The supports contradict each other.
-    LawError
-        The rest metric is not positive definite.
-    """
-    with clock("fields"):
-        shell = state.shell.with_fields(sheet.fields(sheet.values), sheet.loads() if sheet.design.gravity.on else None)
-        if not state.sheet.has_pins_of(sheet.layout):
-            shell = shell.with_target(sheet.support_target())
-    return replace(state, sheet=sheet, shell=shell)
+    def with_resting_factor(self) -> PreviewState:
+        """The state whose factor holds the Hessian at its resting equilibrium, if that is definite."""
+        if self.is_factor_resting:
+            return self
+        return replace(self, is_factor_resting=factorise(self.shell, self.resting.x, self.factor))
 
-
-def respond(state: PreviewState, clock: Clock) -> PreviewState:
-    """The state with the linear response of its resting equilibrium to a change.
-
-    If the factor had lost the resting equilibrium, and that is unstable after the change, it is a new equilibrium.
-    """
-    resting, shell, factor = state.resting, state.shell, state.factor
-    if not state.is_factor_resting:
-        state = replace(state, is_factor_resting=factorise(shell, resting.x, factor))
-    if not state.is_factor_resting:
-        return restarted(state, clock)
-    with clock("linear response"):
-        return replace(state, response=linear_response(shell, resting.x, factor))
-
-
-def followed(state: PreviewState, clock: Clock) -> PreviewState:
-    """The state at the equilibrium that its linear response leads to, or from guesses if that is no minimum."""
-    response = state.response
-    assert response is not None
-    with clock("equilibrium"):
-        equilibrium = follow(state.shell, response.x, state.factor, EDIT_START, response.strains)
-    if not equilibrium.is_minimum:
-        return restarted(state, clock)
-    return _resting(state, equilibrium)
-
-
-def restarted(state: PreviewState, clock: Clock, side: Side | None = None) -> PreviewState:
-    """The state of the same design from guesses, on another side if one is given."""
-    return state_from_guesses(state.sheet, side or state.side, clock, state.watch)
-
-
-def at_form(state: PreviewState, x: Floats, clock: Clock) -> PreviewState:
-    """The state at the equilibrium near positions x (N, 3) of the shell's dofs, with the trials of the last one.
-
-    The state is that from guesses if x leads to no minimum.
-    """
-    with clock("equilibrium"):
-        equilibrium = follow(state.shell, state.shell.constrain(x), state.factor, FORM_START)
-    if not equilibrium.is_minimum:
-        return restarted(state, clock)
-    trials = state.resting.trials
-    return _resting(state, replace(equilibrium, trials=trials if len(trials) > 1 else equilibrium.trials))
-
-
-def _resting(state: PreviewState, equilibrium: ShellEquilibrium) -> PreviewState:
-    """The state at an equilibrium, on the ground."""
-    equilibrium = replace(equilibrium, state=state.shell.shifted_to_ground(equilibrium.x))
-    return replace(state, resting=equilibrium, is_factor_resting=True, response=None)
-
-
-def with_near_zero_modes(state: PreviewState, clock: Clock) -> PreviewState:
-    """The state whose equilibrium has its softest modes, if it is a minimum; edits do not wait for them."""
-    resting = state.resting
-    if not state.equilibrium.is_minimum:
+    def with_near_zero_modes(self, clock: Clock) -> PreviewState:
+        """The state whose equilibrium has its softest modes, if it is a minimum; edits do not wait for them."""
+        resting = self.resting
+        if not self.equilibrium.is_minimum:
+            return self
+        state = self.with_resting_factor()  # an edit that changes nothing may have been interrupted
+        if not len(resting.soft_modes):
+            with clock("soft modes"):
+                stiffness, _ = softest_shell_modes(self.shell, resting.x, self.factor)
+            state = replace(state, resting=replace(resting, soft_modes=stiffness))
         return state
-    if not state.is_factor_resting:  # an edit that changes nothing was interrupted
-        state = replace(state, is_factor_resting=factorise(state.shell, resting.x, state.factor))
-    if not len(resting.soft_modes):
-        with clock("soft modes"):
-            stiffness, _ = softest_shell_modes(state.shell, resting.x, state.factor)
-        state = replace(state, resting=replace(resting, soft_modes=stiffness))
-    return state
 
 
 @dataclass

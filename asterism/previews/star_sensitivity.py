@@ -15,12 +15,11 @@ from scipy.spatial import cKDTree
 
 from asterism.equilibrium.arrays import Floats
 from asterism.fem.search.linear_response import stress_responses, stress_under
-from asterism.fem.search.relax import factorise
 from asterism.homogenize.law.axes import AXES
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.painted_stars import SIZE_KEYS, with_painted_stars
 from asterism.previews.fields.star_values import StarValues, star_values
-from asterism.previews.state import PreviewState
+from asterism.previews.solve import PreviewState
 
 # lattice steps between stars that are changed together
 COLOUR_STEPS = 4
@@ -44,9 +43,8 @@ def star_sensitivity(state: PreviewState, size: SizeName) -> Floats:
     """
     if state.response is not None:
         raise ValueError("sensitivities belong to an equilibrium, not to a linear response")
+    state = state.with_resting_factor()
     shell, x = state.shell, state.resting.x
-    if not state.is_factor_resting:
-        factorise(shell, x, state.factor)
     changed, steps = _changed_values(state, size)
     before = shell.density(shell.strains(x))[1]
     points = shell.points.reshape(-1, 2)

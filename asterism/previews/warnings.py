@@ -35,8 +35,7 @@ from asterism.pattern.geometry.diameter import diameter
 from asterism.pattern.geometry.planar import triangle_areas
 from asterism.pattern.layout.layout import Layout
 from asterism.previews.search_minima import MIN_SIZE_RATIO
-from asterism.previews.solve import EDIT_START
-from asterism.previews.state import PreviewState
+from asterism.previews.solve import EDIT_START, PreviewState
 from asterism.results.words import PlacedWarning, passing, star_numbers
 from asterism.shape.design_warnings import pin_warnings
 from asterism.shape.shape import Shape

@@ -15,7 +15,7 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.layout.symmetries import symmetries
 from asterism.previews.law_choice import serving_law
 from asterism.previews.session import preview
-from asterism.previews.sheets import preview_layout
+from asterism.previews.sheet import preview_layout
 from asterism.process.compiling import clock_without_compiling
 from asterism.process.listeners import Say, ignore_line
 from asterism.process.version import __version__

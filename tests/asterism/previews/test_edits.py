@@ -5,6 +5,7 @@ from __future__ import annotations
 import copy
 import pickle
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -18,15 +19,11 @@ from asterism.pattern.design.errors import DesignError
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.mesh import Mesh
 from asterism.pattern.mesh.meshing import mesh_layout
-from asterism.previews import sheets
+from asterism.previews import sheet as sheets
 from asterism.previews.session import Preview
+from tests.asterism.previews import designs
 
-
-def edited(name: str, **sections: Any) -> Design:
-    data = gallery.load(name).to_dict() | {"mesh": {"edge_mm": 4.0}}
-    for section, entries in sections.items():
-        data[section] = data[section] | entries if isinstance(entries, dict) else entries
-    return Design.from_dict(data)
+edited = partial(designs.edited, mesh={"edge_mm": 4.0})
 
 
 def break_off_while_it_settles(preview: Preview, design: Design, monkeypatch: pytest.MonkeyPatch) -> None:

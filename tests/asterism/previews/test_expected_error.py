@@ -7,8 +7,8 @@ from typing import Any
 import pytest
 
 from asterism.pattern.design.design import Design
-from asterism.previews.expected_error import FREE, HEAVY, HELD_FEW, HELD_MANY, ExpectedError, expected_error
 from asterism.previews.session import Preview
+from asterism.previews.shown_shape import FREE, HEAVY, HELD_FEW, HELD_MANY, ExpectedError, expected_error
 from tests.asterism.previews.laws import plain_law
 
 FEW = {"stars": {"length_mm": 8.0, "thickness_mm": 0.3}, "border": {"rings": 1}}

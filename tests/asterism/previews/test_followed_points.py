@@ -8,16 +8,8 @@ import numpy as np
 import pytest
 
 from asterism.pattern import gallery
-from asterism.pattern.design.design import Design
 from asterism.previews.session import Preview
-
-
-def edited(name: str, **sections: Any) -> Design:
-    data = gallery.load(name).to_dict()
-    for section, entries in sections.items():
-        data[section] = data[section] | entries if isinstance(entries, dict) else entries
-    return Design.from_dict(data)
-
+from tests.asterism.previews.designs import edited
 
 EDITS: list[dict[str, Any]] = [
     {"stars": {"thickness_mm": 0.33}},

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -26,20 +26,12 @@ from asterism.previews.fields.star_values import MAX_SIXFOLD_SHARE, star_values
 from asterism.previews.session import Preview
 from asterism.previews.star_lens import BUMP_TURN_RAD, Arms
 from asterism.shape.comparison import compare_shapes
+from tests.asterism.previews.designs import edited
 from tests.asterism.previews.laws import SPACING, plain_law, with_values
 
+design = partial(edited, "tube")
+
 TUBE = gallery.load("tube")
-
-
-def design(**sections: Any) -> Design:
-    """The tube's sheet, with sections that replace or change its own."""
-    data = TUBE.to_dict()
-    for name, entries in sections.items():
-        own = data.get(name)
-        data[name] = {**own, **entries} if isinstance(own, Mapping) and isinstance(entries, Mapping) else entries
-    return Design.from_dict(data)
-
-
 CURLY = design(stars={"thickness_mm": 0.25}, mesh={"edge_mm": 4.0})
 
 

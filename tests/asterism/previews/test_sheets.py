@@ -3,18 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from typing import Any
 
 import numpy as np
 import pytest
 
-from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-from asterism.previews import sheets
+from asterism.previews import sheet as sheets
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.session import Preview
-from asterism.previews.sheets import KEPT_PRINTS, kept_print
+from asterism.previews.sheet import KEPT_PRINTS, kept_print
+from tests.asterism.previews.designs import edited
+
+small = partial(edited, "dome", mesh={"edge_mm": 5.0}, border={"rings": 1})
 
 
 @pytest.fixture(autouse=True)
@@ -22,13 +25,6 @@ def _without_kept_prints() -> Iterator[None]:
     sheets._kept.clear()
     yield
     sheets._kept.clear()
-
-
-def small(**sections: Any) -> Design:
-    data = gallery.load("dome").to_dict() | {"mesh": {"edge_mm": 5.0}, "border": {"rings": 1}}
-    for section, entries in sections.items():
-        data[section] = data[section] | entries if isinstance(entries, dict) else entries
-    return Design.from_dict(data)
 
 
 def is_kept(design: Design, triangles: int | None = None) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,13 +13,9 @@ from asterism.equilibrium.errors import Error
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.previews.session import Preview
+from tests.asterism.previews import designs
 
-
-def edited(name: str, **sections: Any) -> Design:
-    data = gallery.load(name).to_dict() | {"mesh": {"edge_mm": 4.0}}
-    for section, entries in sections.items():
-        data[section] = data[section] | entries if isinstance(entries, dict) else entries
-    return Design.from_dict(data)
+edited = partial(designs.edited, mesh={"edge_mm": 4.0})
 
 
 @pytest.mark.slow

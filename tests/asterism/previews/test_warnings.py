@@ -90,7 +90,7 @@ def test_a_preview_that_is_too_long_is_no_minimum(monkeypatch: pytest.MonkeyPatc
     preview = Preview(gallery.load("star"))
     shape = preview.shape()
     assert shape.summary["is_minimum"] and shape.summary["stars_overstretched"] == []
-    monkeypatch.setattr("asterism.previews.summary.overstretched_stars", lambda *_: np.array([0]))
+    monkeypatch.setattr("asterism.previews.shown_shape.overstretched_stars", lambda *_: np.array([0]))
     long = preview.shape().summary
     assert not long["is_minimum"] and long["converged"] and long["stars_overstretched"] == [0]
     assert long["warnings"][-1] == (

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import itertools
-from typing import Any
+from functools import partial
 
 import numpy as np
 import pytest
@@ -11,13 +11,9 @@ import pytest
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.previews.session import Preview, SearchLimitError
+from tests.asterism.previews.designs import edited
 
-
-def dome(**sections: Any) -> Design:
-    data = gallery.load("dome").to_dict()
-    for section, entries in sections.items():
-        data[section] = data[section] | entries if isinstance(entries, dict) else entries
-    return Design.from_dict(data)
+dome = partial(edited, "dome")
 
 
 class Stopped(Exception):

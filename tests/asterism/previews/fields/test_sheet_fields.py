@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -19,7 +20,10 @@ from asterism.pattern.layout.build import layout
 from asterism.previews.fields.sheet_fields import BENDING_POISSON, gaussian_moduli, sheet_fields
 from asterism.previews.fields.star_values import star_values
 from asterism.previews.model import PREVIEW_MODEL
+from tests.asterism.previews.designs import edited
 from tests.asterism.previews.laws import places, plain_law, with_values
+
+changed = partial(edited, "tube")
 
 SIXFOLD = PREVIEW_MODEL.sixfold_factor
 
@@ -98,13 +102,6 @@ def test_half_way_between_two_stars_logarithms_are_averaged() -> None:
     rest = sheet_fields(places(sp.csr_matrix(weights), values, (1, 1))).rest(np.zeros((1, 1, 2)))[0, 0]
     lam = values.value["lam_n"][[0, 30]]
     assert 2.0 * rest[0] == pytest.approx(lam[0] * lam[1])
-
-
-def changed(**sections: dict[str, object]) -> Design:
-    data = TUBE.to_dict()
-    for name, entries in sections.items():
-        data[name] = {**data.get(name, {}), **entries}
-    return Design.from_dict(data)
 
 
 def test_stars_beyond_the_law_are_named_with_their_place() -> None:

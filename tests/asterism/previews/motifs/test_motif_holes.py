@@ -7,9 +7,8 @@ import pytest
 
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-from asterism.previews.motifs.motif_cover import holes_within_cells, small_holes
-from asterism.previews.motifs.motif_sheet import MotifSheet
-from asterism.previews.motifs.rim_tension import rims_of
+from asterism.previews.motif_rims import holes_within_cells, rims_of, small_holes
+from asterism.previews.motif_sheet import MotifSheet
 from asterism.previews.session import Preview
 from tests.asterism.previews.motifs.nets import net, net_law
 

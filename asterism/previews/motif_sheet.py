@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Self
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -22,14 +22,13 @@ from asterism.homogenize.cell.linear_response import voigt_turn
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.motif_law import MotifLaw
 from asterism.homogenize.law.plan import rounded, source_of
-from asterism.homogenize.law.tensor_forms import TO_VOIGT
+from asterism.homogenize.law.tensor_forms import TO_VOIGT, SheetTensors
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.materials import Fabric
-from asterism.pattern.design.sizing.profiles import sample
+from asterism.pattern.design.sizing.profiles import Profile, sample
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.rods.curves import polyline
-from asterism.previews.motifs.motif_cover import MotifFieldValues, bare_share, holes_within_cells, reach_mm
-from asterism.previews.motifs.rim_tension import Rims, rims_of
+from asterism.previews.motif_rims import Rims, bare_share, holes_within_cells, reach_mm, rims_of
 from asterism.previews.point_pins import softened
 from asterism.previews.print_sheet import PrintSheet
 
@@ -88,6 +87,27 @@ MAX_RIM_SHARE = 1.5
 ROD_SIZES = {"name", "thickness_mm", "width_mm"}
 
 
+@dataclass(frozen=True, eq=False)
+class MotifSheetValues:
+    """The law of a design's motif, evaluated with the sizes that the rods have at each place.
+
+    Attributes
+    ----------
+    tensors : at the quadrature points, arrays (T, Q, ...).
+    outside : one line for each of the compared places on rods where sizes leave the range of the law. The nearest sizes
+        in the range replace them.
+    places : number of these compared places.
+    is_uniform : whether all copies of the motif are equal.
+    has_tight_curls : whether much of the sheet is not scale-separated: never, since such cells have no law.
+    """
+
+    tensors: SheetTensors
+    outside: tuple[str, ...]
+    places: int
+    is_uniform: bool
+    has_tight_curls: ClassVar[bool] = False
+
+
 @dataclass(eq=False)
 class MotifSheet(PrintSheet):
     """A printed sheet of a motif."""
@@ -114,9 +134,15 @@ class MotifSheet(PrintSheet):
         super()._follow(before)
 
     @cached_property
-    def values(self) -> MotifFieldValues:
+    def values(self) -> MotifSheetValues:
         """The law at the sizes of the rods."""
-        return MotifFieldValues.of(self.design, self.layout, self.law)
+        design, law, shape, on_rods = self.design, self.law, self.table.weights.shape, self.layout.points_on_rods
+        at = law.evaluate_at(design, self.points)
+        tensors = SheetTensors(
+            at.metric.reshape(*shape, 3), at.stiffness.reshape(*shape, 6, 6), at.curvature.reshape(*shape, 3)
+        )
+        is_uniform = not any(isinstance(field, Profile) for field in law.plan.sources(design))
+        return MotifSheetValues(tensors, law.evaluate_at(design, on_rods).outside, len(on_rods), is_uniform)
 
     def is_same_print(self, design: Design, layout: Layout) -> bool:
         """Whether a design differs only in the sizes of its rods, its material and the positions of its pins."""
@@ -130,7 +156,7 @@ class MotifSheet(PrintSheet):
             np.array_equal(one.points, other.points) for one, other in zip(ours, theirs, strict=True)
         )
 
-    def fields(self, values: MotifFieldValues) -> Fields:
+    def fields(self, values: MotifSheetValues) -> Fields:
         """Rest metric, rest curvature and stiffness at the quadrature points.
 
         Raises
@@ -138,7 +164,7 @@ class MotifSheet(PrintSheet):
         LawError
             The rest metric is not positive definite: the sizes of the rods differ too much from place to place.
         """
-        stiffness, metric, curvature = self._at_points(values)
+        metric, stiffness, curvature = values.tensors.metric, values.tensors.stiffness, values.tensors.curvature
         if self.design.required_rods.side == "below":  # the mirror image
             mirror = np.repeat([1.0, -1.0], 3)
             stiffness, curvature = stiffness * mirror * mirror[:, None], -curvature
@@ -154,11 +180,6 @@ class MotifSheet(PrintSheet):
             message = f"rods: the sizes differ too much near [{x:.1f}, {y:.1f}]: {error}"
             raise LawError(message, place_mm=(x, y), field="rods") from None
         return fields
-
-    def _at_points(self, values: MotifFieldValues) -> tuple[Floats, Floats, Floats]:
-        """Stiffness (T, Q, 6, 6), metric and rest curvature (T, Q, 3) of the motif at the quadrature points."""
-        at, shape = values.at(self.points), self.table.weights.shape
-        return at.stiffness.reshape(*shape, 6, 6), at.metric.reshape(*shape, 3), at.curvature.reshape(*shape, 3)
 
     def gaussian(self, metric: Floats, stiffness: Floats) -> Floats:
         """(T, Q) N mm, Gaussian modulus on a metric (T, Q, 3) with a stiffness (T, Q, 6, 6)."""
@@ -176,7 +197,9 @@ class MotifSheet(PrintSheet):
                 f"{share:.0f} % of the rods are outside the law's range, such as {values.outside[0]}; the preview "
                 "takes the nearest size in the range"
             )
-        if self._gaussian_share > MAX_RIM_SHARE:
+        modulus = self.gaussian(values.tensors.metric, values.tensors.stiffness)
+        low, high = gaussian_limits(values.tensors.stiffness[..., 3:, 3:])  # where the bending energy is indefinite
+        if np.maximum(modulus / low, modulus / high).max() > MAX_RIM_SHARE:
             yield (
                 "the tension of the fabric at wide rims bends the sheet as much as its rods do, which the preview "
                 "describes roughly; check with the exact model"
@@ -187,14 +210,6 @@ class MotifSheet(PrintSheet):
                 f"{which} smaller than a cell of the motif, with rods cut off there, which the preview describes "
                 "roughly; check with the exact model"
             )
-
-    @property
-    def _gaussian_share(self) -> float:
-        """Largest Gaussian modulus over the one at which the bending energy becomes indefinite."""
-        stiffness, metric, _ = self._at_points(self.values)
-        modulus = self.gaussian(metric, stiffness)
-        low, high = gaussian_limits(stiffness[..., 3:, 3:])
-        return float(np.maximum(modulus / low, modulus / high).max())
 
     def plastic_mm(self) -> Callable[[Floats], Floats]:
         """Mean height of the plastic: as much as is printed, where the motif is."""

@@ -1,7 +1,12 @@
-"""Gaussian modulus of a motif's sheet: work of the fabric's tension on Gaussian curvature.
+"""The rims of a motif's sheet: bare fabric beyond the rods, and the work of its tension.
 
-In a flat sheet the fabric is in tension, and its rods are in compression. Gaussian curvature K does the work `-phi K`
-on these forces. Airy's stress function phi vanishes at the rim, and so does its slope.
+**Bare fabric.** In an endless pattern no place is farther from a rod than a certain reach: half the distance of
+parallel lines. A rim is as wide as that, or narrower, wherever the outline cuts the pattern; it belongs to the motif,
+as the fabric between rods does. Beyond, the fabric is bare; this is averaged over the neighbourhood, since the shell's
+mesh is coarse.
+
+**Gaussian modulus.** In a flat sheet the fabric is in tension, and its rods are in compression. Gaussian curvature K
+does the work `-phi K` on these forces. Airy's stress function phi vanishes at the rim, and so does its slope.
 From a side inwards, fabric of the tension N along the side raises phi to `N w^2/2` at the first rod, at the distance w.
 The rods then balance the fabric midway to the next rod, if their distance is d. So the mean of phi over a cell beside
 the side is
@@ -9,7 +14,7 @@ the side is
     Phi = N (mean of w^2/2 - d^2/12),
 
 which is `N d^2/24` if the outline cuts the pattern midway between rods. The shell itself has the part `N s^2/2` of bare
-fabric of the width s (`asterism.previews.motifs.motif_sheet`), which is taken off. At sides along which no rods run,
+fabric of the width s (`asterism.previews.motif_sheet`), which is taken off. At sides along which no rods run,
 Phi is zero in the mean. Smeared rods need carry no other forces between the sides; so phi there is taken as the mean of
 the sides' values, weighted by length over distance. The rim of a hole is a rim like the outer one. At each, phi is
 free up to a constant, whose work on K is one on the geodesic curvature of the rim (Gauss and Bonnet). A hole smaller
@@ -24,14 +29,84 @@ from dataclasses import dataclass
 
 import numpy as np
 import shapely
+from scipy.ndimage import gaussian_filter, map_coordinates
 
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.design import Design
-from asterism.pattern.geometry.planar import distance_to_segment
+from asterism.pattern.geometry.planar import distance_to_segment, polygon_area
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.sheet_edges import SheetEdges
 from asterism.pattern.rods.curves import polyline
-from asterism.previews.motifs.motif_cover import small_holes
+
+# points along each lattice vector at which the endless pattern is sampled
+SAMPLES = 40
+# copies of the motif on each side of a cell
+COPIES = 2
+# points of the grid along the longer side of a sheet, at most
+MAX_GRID = 600
+# relative: places at the reach but for rounding belong to the pattern
+REACH_TOLERANCE = 1e-3
+
+
+def reach_mm(design: Design) -> float:
+    """Largest distance of a place of the endless pattern from its nearest rod.
+
+    Examples
+    --------
+    >>> lines = Design.from_dict({
+    ...     "rods": {"motif": [{"line_mm": [(0, 0), (5, 0)]}]}, "lattice": {"kind": "square", "spacing_mm": 5.0},
+    ...     "border": {"rectangle_mm": (40, 40)},
+    ... })
+    >>> reach_mm(lines)
+    2.5
+    """
+    vectors = np.asarray(design.lattice.vectors)
+    steps = np.arange(-COPIES, COPIES + 1)
+    shifts = np.stack(np.meshgrid(steps, steps, indexing="ij"), axis=-1).reshape(-1, 2) @ vectors
+    lines = [polyline(line, design.required_rods.curve_mm) for line in design.required_rods.motif]
+    drawn = shapely.MultiLineString([line + shift for shift in shifts for line in lines])
+    parts = np.arange(SAMPLES) / SAMPLES
+    places = np.stack(np.meshgrid(parts, parts, indexing="ij"), axis=-1).reshape(-1, 2) @ vectors
+    return float(shapely.distance(drawn, shapely.points(places)).max())
+
+
+def small_holes(layout: Layout) -> list[int]:
+    """Numbers of the holes that are smaller than a cell of the lattice."""
+    cell = abs(float(np.linalg.det(layout.lattice_vectors)))
+    return [k for k, ring in enumerate(layout.edges.rings[1:]) if -polygon_area(ring) < cell]
+
+
+def holes_within_cells(layout: Layout, tip_margin_mm: float) -> list[int]:
+    """Numbers of the holes that are smaller than a cell of the lattice and cut off rods."""
+    ends = shapely.multipoints(np.concatenate([rod.points[[0, -1]] for rod in layout.graph.rods]))
+    reach = (1.0 + REACH_TOLERANCE) * tip_margin_mm
+    return [k for k in small_holes(layout) if shapely.distance(shapely.Polygon(layout.holes[k]), ends) <= reach]
+
+
+def bare_share(layout: Layout, reach: float, smoothing: float, points: Floats) -> Floats:
+    """(n,) from 0 in the pattern to 1 on bare fabric, at printed points (n, 2) mm.
+
+    Parameters
+    ----------
+    reach : mm, from `reach_mm`; places farther from all rods are bare.
+    smoothing : mm, standard deviation of the Gaussian over which that is averaged on the sheet.
+    """
+    low, high = layout.outline.min(axis=0), layout.outline.max(axis=0)
+    step = max(min(reach / 5.0, 0.5 * smoothing), float((high - low).max()) / MAX_GRID)
+    x, y = (np.arange(a - 0.5 * step, b + step, step) for a, b in zip(low, high, strict=True))
+    grid = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
+    on_sheet = layout.is_on_sheet(grid.reshape(-1, 2)).reshape(grid.shape[:2])
+    drawn = shapely.MultiLineString([rod.points for rod in layout.graph.rods])
+    shapely.prepare(drawn)  # unlike distances, this question uses it
+    is_bare = np.zeros(on_sheet.shape)
+    is_bare[on_sheet] = ~shapely.dwithin(drawn, shapely.points(grid[on_sheet]), (1.0 + REACH_TOLERANCE) * reach)
+    if not is_bare.any():
+        return np.zeros(len(points))
+    bare, whole = (gaussian_filter(each, smoothing / step, mode="constant") for each in (is_bare, on_sheet * 1.0))
+    share = np.divide(bare, whole, out=np.zeros_like(bare), where=whole > 1e-9)
+    at = (points - [x[0], y[0]]) / step
+    return np.clip(map_coordinates(share, at.T, order=1, mode="nearest"), 0.0, 1.0)
+
 
 # distance of the places of a side at which rims are measured, in spacings of the lattice
 SAMPLE_SPACINGS = 0.05
@@ -77,7 +152,7 @@ def rims_of(design: Design, layout: Layout, reach: float) -> Rims:
 
     Parameters
     ----------
-    reach : mm, from `asterism.previews.motifs.motif_cover.reach_mm`.
+    reach : mm, from `reach_mm`.
 
     Examples
     --------
