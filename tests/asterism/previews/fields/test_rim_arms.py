@@ -1,4 +1,4 @@
-"""The arms of the last stars bend a free rim along them, by how much fabric there is before their tips."""
+"""Free rims: arms of the last stars bend them by how much fabric there is before their tips, holes have none."""
 
 from __future__ import annotations
 
@@ -11,7 +11,16 @@ from asterism.exact.simulation import exact_shape
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-from asterism.previews.fields.rim_arms import RIM_ARM_FULL, RIM_ARM_START, arm_curvature, rim_curvature_share
+from asterism.pattern.layout.layout import Layout
+from asterism.previews.fields.rim_arms import (
+    RIM_ARM_FULL,
+    RIM_ARM_START,
+    arm_curvature,
+    free_normals,
+    hole_sites,
+    in_holes,
+    rim_curvature_share,
+)
 from asterism.previews.fields.star_values import star_values
 from asterism.previews.model import PREVIEW_MODEL, without
 from asterism.previews.session import Preview
@@ -145,3 +154,135 @@ def test_a_rim_curls_along_an_arm_as_far_as_its_star_reaches() -> None:
     )
     assert np.abs(whole).max() > 0.0
     assert half == pytest.approx(0.5 * whole)
+
+
+def rectangle(pins: list[dict[str, object]]) -> Design:
+    data = TUBE.to_dict() | {"border": {"rectangle_mm": [80.0, 60.0]}, "pins": pins}
+    return Design.from_dict(data)
+
+
+def test_normals_are_those_of_the_nearest_side_and_vanish_where_it_is_held() -> None:
+    places = np.array([[35.0, 0.0], [-35.0, 2.0], [0.0, 25.0], [3.0, -25.0]])
+    free = layout(rectangle([]))
+    expected = np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])
+    assert free_normals(free, places) == pytest.approx(expected)
+    middle = 0.5 * (free.outline + np.roll(free.outline, -1, axis=0))
+    held = int(middle[:, 0].argmax())
+    plan = layout(rectangle([{"edges": [held], "scale": 0.8}]))
+    assert free_normals(plan, places) == pytest.approx(expected * np.array([[0.0], [1.0], [1.0], [1.0]]))
+    # points on the right side and near the lower one
+    pulled = layout(rectangle([{"points_mm": [[40.0, 5.0], [10.0, -28.0]], "scale": 0.8}]))
+    assert free_normals(pulled, places) == pytest.approx(expected * np.array([[0.0], [1.0], [1.0], [0.0]]))
+    sliding = layout(rectangle([{"points_mm": [[40.0, 5.0], [10.0, -28.0]], "slide": "plane"}]))
+    assert free_normals(sliding, places) == pytest.approx(expected)
+    alone = layout(rectangle([{"points_mm": [[40.0, 25.0]], "scale": 0.8}]))
+    assert free_normals(alone, places) == pytest.approx(expected)
+
+
+def test_outlines_of_many_corners_are_asked_in_pieces(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever the size of the tables, the answers are the same."""
+    held = Design.from_dict(TUBE.to_dict() | {"pins": [{"edges": [0, 1]}, {"corners": [3], "scale": 0.9}]})
+    plan = layout(held)
+    points = np.random.default_rng(2).uniform(-60.0, 60.0, (300, 2))
+    whole = free_normals(plan, points), plan.distance_to_supports(points)
+    monkeypatch.setattr("asterism.pattern.geometry.planar.MAX_TABLE_ENTRIES", 100)
+    np.testing.assert_array_equal(free_normals(plan, points), whole[0])
+    np.testing.assert_array_equal(plan.distance_to_supports(points), whole[1])
+    assert len(plan.distance_to_supports(points[:0])) == 0 and np.isinf(PLAN.distance_to_supports(points)).all()
+
+
+def test_a_side_in_pieces_is_one_side() -> None:
+    """Held at a corner it keeps no curl along its whole length, however many corners lie on it."""
+    corners = PLAN.outline
+    pieces = np.concatenate(
+        [np.linspace(a, b, 5)[:-1] for a, b in zip(corners, np.roll(corners, -1, axis=0), strict=True)]
+    )
+    points = np.random.default_rng(3).uniform(-60.0, 60.0, (200, 2))
+    for held in (corners[:1], corners[:2], corners[::3]):
+        pins = [{"points_mm": held.tolist(), "scale": 0.9}]
+        one, other = (
+            free_normals(
+                layout(Design.from_dict(TUBE.to_dict() | {"border": {"polygon_mm": ring.tolist()}, "pins": pins})),
+                points,
+            )
+            for ring in (corners, np.roll(pieces, 2, axis=0))
+        )
+        np.testing.assert_allclose(one, other, atol=1e-9)
+
+
+def removed(*stars: int) -> Design:
+    data = TUBE.to_dict()
+    data["stars"]["override"] = [{"star": star, "remove": True} for star in stars]
+    return Design.from_dict(data)
+
+
+def bordered(polygon: list[list[float]]) -> Layout:
+    return layout(Design.from_dict(TUBE.to_dict() | {"border": {"polygon_mm": polygon}}))
+
+
+def test_a_whole_pattern_has_no_holes() -> None:
+    plan = layout(TUBE)
+    assert len(hole_sites(plan)) == 0
+    assert not in_holes(plan, plan.outline).any()
+
+
+def test_places_nearer_to_a_removed_star_than_to_others_are_in_its_hole() -> None:
+    plan = layout(removed(0))
+    assert hole_sites(plan) == pytest.approx(np.zeros((1, 2)), abs=1e-9)
+    there = np.array([[0.0, 0.0], [0.0, 0.49 * SPACING], [0.0, 0.51 * SPACING], plan.outline[0]])
+    assert in_holes(plan, there).tolist() == [True, True, False, False]
+
+
+def test_a_hole_may_be_wide() -> None:
+    sites = hole_sites(layout(removed(*range(7))))
+    assert np.sort(np.linalg.norm(sites, axis=1)) == pytest.approx([0.0, *[SPACING] * 6], abs=1e-9)
+
+
+def test_what_is_open_to_the_rim_is_no_hole() -> None:
+    last = layout(TUBE).star_number[-1]
+    assert len(hole_sites(layout(removed(int(last))))) == 0
+    # from the middle to the rim
+    plan = layout(TUBE)
+    row = plan.star_number[(np.abs(plan.centres[:, 0]) < 1.0) & (plan.centres[:, 1] > -1.0)]
+    assert len(hole_sites(layout(removed(*row.tolist())))) == 0
+
+
+def test_dents_are_rims() -> None:
+    """The tip of a narrow dent takes a site's place, with stars all around."""
+    dent = bordered([[-60, -50], [60, -50], [60, 50], [1.5, 50], [0, -3], [-1.5, 50], [-60, 50]])
+    assert len(hole_sites(dent)) == 0
+
+
+def test_the_fabric_of_a_hole_does_not_dip() -> None:
+    """In the exact model it is 0.1 mm above the stars around it; with a rim's fall it would be 1.6 mm below them."""
+    data = removed(0).to_dict()
+    data["stars"] |= {"length_mm": 9.0, "thickness_mm": 0.5}
+    preview = Preview(Design.from_dict(data | {"border": {"rings": 2}}))
+    turns = np.radians(30.0 + 60.0 * np.arange(6))
+    around = preview.at(SPACING * np.column_stack([np.cos(turns), np.sin(turns)])).bumpy
+    middle = around.mean(axis=0)
+    normal = np.linalg.svd(around - middle)[2][2]
+    above = float((preview.at(np.zeros((1, 2))).bumpy[0] - middle) @ normal * np.sign(normal[2]))
+    assert abs(above) < 0.4
+
+
+def test_a_star_missing_from_any_side_of_a_wide_rim_is_no_hole() -> None:
+    border = {"rectangle_mm": [100.0, 90.0], "star_margin_mm": 0.8 * SPACING}
+    whole = layout(Design.from_dict(TUBE.to_dict() | {"border": border}))
+    assert len(hole_sites(whole)) == 0
+    for axis in whole.lattice_vectors @ np.array([[0.0, -1.0], [1.0, 0.0]]):
+        along = whole.centres @ axis
+        for star in (along.argmin(), along.argmax()):
+            data = TUBE.to_dict() | {"border": border}
+            data["stars"]["override"] = [{"star": int(whole.star_number[star]), "remove": True}]
+            assert len(hole_sites(layout(Design.from_dict(data)))) == 0
+
+
+def test_a_site_just_beyond_the_tip_of_a_dent_is_part_of_the_rim() -> None:
+    """The dent runs between stars, that site alone has none."""
+    polygon = [[-60, -50], [60, -50], [60, -0.5], [3, 0], [60, 0.5], [60, 50], [-60, 50]]
+    data = TUBE.to_dict() | {"border": {"polygon_mm": polygon, "star_margin_mm": 6.0}}
+    plan = layout(Design.from_dict(data))
+    assert np.linalg.norm(plan.centres, axis=1).min() == pytest.approx(SPACING)
+    assert (np.linalg.norm(plan.centres, axis=1) < 1.01 * SPACING).sum() == 6
+    assert len(hole_sites(plan)) == 0
