@@ -47,4 +47,5 @@ def roll_axis_from_normals(layout: Layout, normal: Floats, almost: bool = False)
     if np.linalg.norm(bends.mean(axis=0)) < factor * 0.5 * np.sqrt(high):
         return None
     x, y = vectors[:, 0]
-    return float(np.degrees(np.arctan2(y, x)) % 180.0)
+    # rounded, so that no axis along x is one of 180 deg
+    return float(np.round(np.degrees(np.arctan2(y, x)), 9) % 180.0)
