@@ -10,8 +10,7 @@ from typing import Literal
 import numpy as np
 from scipy.ndimage import gaussian_filter
 
-from asterism.draw.drawable import Drawable
-from asterism.draw.ribbons import ribbons
+from asterism.draw.ribbons import Drawable, ribbons
 from asterism.draw.shading import GLOSS_TABLE, HALFWAY, KEY_LIGHT, KEY_TABLE, shade
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.equilibrium.compiled import loop

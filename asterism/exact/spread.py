@@ -61,7 +61,7 @@ SEED = 0
 RESPONSE_ERROR = 0.35
 # with the shape of the design; one of them goes back from the furthest end
 MAX_SOLVES = 10
-# the line on the print: directions that are tried, its points, and the number of samples whose mean it shows
+# the line on the print: directions that are tried, and its points
 LINE_DIRECTIONS = 12
 LINE_POINTS = 201
 
@@ -351,6 +351,7 @@ def _record(spread: Spread, names: list[str], search: _Search, wall: float) -> S
         if left.min() < 1.0:
             after = nine_in_ten(search.values + (left * t) @ slope + (left * t) ** 2 @ curve)[:, 0]
             measurements.append(MeasurementRecord(name=name, low_mm=float(after[0]), high_mm=float(after[2])))
+    # prints whose mean is shown
     near = [np.abs(prints[:, 0] - each[0]).argsort()[:200] for each in (low, median, high)]
     lines = [prints[some, 3:].mean(axis=0).reshape(-1, 2).tolist() for some in near]
     return SpreadRecord(

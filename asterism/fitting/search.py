@@ -194,7 +194,7 @@ class FitSearch:
         state = self.residual.at(self._lens())
         linear = self.residual.at(self._lens(stages[0].x)).places
         miss = _rms(state.places - linear)
-        # 0.1 mm always pass
+        # distance from the linear prediction: at most this part of the step; 0.1 mm always pass
         if miss > max(0.8 * _rms(linear - places_before), 0.1):
             return False
         # share of the predicted decrease that a step must reach

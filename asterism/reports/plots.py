@@ -32,9 +32,6 @@ from asterism.shape.comparison import Comparison
 from asterism.shape.shape import Shape
 
 ORANGE = (0.93, 0.47, 0.16)
-# largest size of a view
-MAX_VIEW_HEIGHT_PX = 440
-MAX_VIEW_WIDTH_PX = 640
 PLOT_DPI = 130
 # of growing distances
 DISTANCE_COLOURS = colormaps["magma_r"]
@@ -92,7 +89,8 @@ def _framed(thing: Scene, view: Camera, frame: Floats) -> Floats:
     """The view of a scene, placed in a picture that encloses all points of `frame`; row 0 the lowest."""
     seen, own = view.project(frame)[:, :2], view.project(thing.points)[:, :2]
     low, high = seen.min(axis=0), seen.max(axis=0)
-    scale = float((np.array([MAX_VIEW_WIDTH_PX, MAX_VIEW_HEIGHT_PX]) / np.maximum(high - low, 1e-3)).min())
+    # largest size of a view, in pixels
+    scale = float((np.array([640, 440]) / np.maximum(high - low, 1e-3)).min())
     image = render(thing, view, scale)
     width, height = np.ceil((high - low) * scale).astype(int) + 8
     out = np.zeros((height, width, 4))

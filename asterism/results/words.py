@@ -6,13 +6,12 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 MAX_NAMED_STARS = 8
-TABLE_COLUMN = 20  # characters of a label
 # a sheet that hangs less below the base of its needles counts as lying on it: about its own thickness
 VISIBLE_SAG_MM = 0.5
 
 
-def table_lines(rows: dict[str, str], column: int = TABLE_COLUMN) -> list[str]:
-    """The rows of a table as lines of text."""
+def table_lines(rows: dict[str, str], column: int = 20) -> list[str]:
+    """The rows of a table as lines of text; labels have `column` characters."""
     return [f"  {label:<{column}} {text}" for label, text in rows.items()]
 
 

@@ -19,8 +19,6 @@ from asterism.pattern.geometry.normals import triangle_normals
 from asterism.shape.shape import Shape
 
 FRAMES = 24
-# of the flat sheet before the release, and of the shape after it
-PAUSE_MS = 900
 
 
 def release_gif(shape: Shape, view: View, size_px: tuple[int, int], plain: bool, title: str) -> bytes:
@@ -32,7 +30,8 @@ def release_gif(shape: Shape, view: View, size_px: tuple[int, int], plain: bool,
     colours = images[-1].quantize(256, Image.Quantize.MAXCOVERAGE)  # the same in all pictures: none flickers
     first, *others = (image.quantize(palette=colours, dither=Image.Dither.NONE) for image in images)
     stream = BytesIO()
-    pauses = [PAUSE_MS, *[70] * (FRAMES - 2), 2 * PAUSE_MS]
+    # ms, longest for the flat sheet and for the shape
+    pauses = [900, *[70] * (FRAMES - 2), 1800]
     first.save(stream, "GIF", save_all=True, append_images=others, duration=pauses, loop=0)
     return stream.getvalue()
 

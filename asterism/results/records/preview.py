@@ -68,7 +68,17 @@ def _expected_distance(record: PreviewRecord) -> str:
     return "not known" if percent is None else distance_error(percent, record.get("diameter_mm"))
 
 
-class PreviewRecord(ShapeRecord):
+class ExpectedErrorRecord(Record):
+    """The estimated error of a preview."""
+
+    expected_rms_percent: float | None = key(
+        "Estimated error: rms distance from the exact shape in percent of the diameter, within which nine of ten exact "
+        "shapes of sheets of this kind were found; null with many stars that the law does not describe."
+    )
+    expected_height_percent: float | None = key("Estimated error of the height with its bumps, in percent of it.")
+
+
+class PreviewRecord(ExpectedErrorRecord, ShapeRecord):
     """The summary of a preview."""
 
     model_name = "preview"
@@ -100,12 +110,7 @@ class PreviewRecord(ShapeRecord):
     starts: list[TrialRecord] = key("All initial guesses that were followed.")
     other_forms: list[OtherFormRecord] = key("Other minima that the search met, the lowest first.")
     law: LawOriginRecord = key("The law that was used.")
-    expected_rms_percent: float | None = key(
-        "Estimated error: rms distance from the exact shape in percent of the diameter, within which nine of ten exact "
-        "shapes of sheets of this kind were found; null with many stars that the law does not describe."
-    )
     diameter_mm: float = key("Largest distance of two points of the sheet.")
-    expected_height_percent: float | None = key("Estimated error of the height with its bumps, in percent of it.")
     law_in_range: bool = key("All stars are within the range of the law.")
     stars_outside_law: list[str] = key("The stars outside the range of the law, with the reason, one sentence each.")
     stars_tight: list[int] = key("Stars that curl to a radius below two thirds of their spacing.")

@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 
 from asterism.results.record import ABSENT, Record, key
 from asterism.results.records.exact import ExactRecord, mesh_error_in_words
-from asterism.results.records.preview import PreviewRecord
+from asterism.results.records.preview import ExpectedErrorRecord, PreviewRecord
 from asterism.results.words import distance_error, height_error, times
 
 
@@ -110,7 +110,7 @@ class VerifiedStartRecord(DifferenceRecord):
     )
 
 
-class VerificationRecord(DifferenceRecord):
+class VerificationRecord(ExpectedErrorRecord, DifferenceRecord):
     """The summary of a verification. Its differences are those of the preview from the exact shape that counts."""
 
     model_name = "verification"
@@ -138,8 +138,6 @@ class VerificationRecord(DifferenceRecord):
     exact_from_preview_s: float = key("Time of the exact model from the preview, with its layout.")
     mesh_error_percent: float | None = key("Estimated mesh error of the exact shape.")
     mesh_change_percent: float | None = key("Rms distance of the exact shape to that on the next coarser mesh.")
-    expected_rms_percent: float | None = key("Estimated rms error of the preview.")
-    expected_height_percent: float | None = key("Estimated error of the preview's height, in percent of it.")
     result_from: str = key("Start of the exact shape that counts: `release` or `preview`.")
     starts_agree: bool = key("Both starts ended in one minimum.")
     starts_distance_percent: float = key("Rms distance of the exact shapes of both starts, in percent of the diameter.")
