@@ -66,6 +66,10 @@ def pytest_sessionstart(session: pytest.Session) -> None:
 ORDER = (
     "validation",
     "test_notebooks.py",
+    "test_fuzz.py",
+    "test_readme.py",
+    "asterism/studio/page",
+    "discrete/release",
     *(f"asterism/{room}" for room in ("previews", "exact", "laws", "reports", "verification", "cli", "draw", "print")),
     "asterism/measure",
     "asterism",

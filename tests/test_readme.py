@@ -8,7 +8,6 @@ import shlex
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 
 import pytest
 from PIL import Image
@@ -123,18 +122,9 @@ def test_designs_in_the_text_load(page: Path, block: str, tmp_path: Path) -> Non
         load_design(file)
 
 
-# calls that solve a design many times, or with both models
-LONG_CALLS = ("asterism.fit(", "asterism.solve_for", "asterism.verify(", "asterism.sweep(", "asterism.compare_designs(")
-
-
-def _slow(code: str) -> Any:
-    return pytest.mark.slow if any(call in code for call in LONG_CALLS) else ()
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("page", "block"),
-    [pytest.param(page, block, marks=_slow(block), id=f"{page.name}-{i}") for i, (page, block) in enumerate(PYTHON)],
+    ("page", "block"), [pytest.param(*each, id=f"{each[0].name}-{i}") for i, each in enumerate(PYTHON)]
 )
 def test_python_in_the_text_runs(page: Path, block: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """With a small design in place of the gallery's dome, in a folder that holds it as a file."""
@@ -142,19 +132,19 @@ def test_python_in_the_text_runs(page: Path, block: str, tmp_path: Path, monkeyp
     small["stars"] |= {"length_mm": 8.0}
     design = Design.from_dict(small)
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("asterism.draw.render.SUPERSAMPLING", 1)
     monkeypatch.setattr(asterism, "new", lambda name: design if name == "dome" else gallery.load(name), raising=False)
     save_design(design, tmp_path / "dome.toml")
     exec(compile(block, page.name, "exec"), {})
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "script", [pytest.param(file, marks=_slow(file.read_text(encoding="utf-8")), id=file.stem) for file in EXAMPLES]
-)
+@pytest.mark.parametrize("script", EXAMPLES, ids=[file.stem for file in EXAMPLES])
 def test_examples_run(script: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     text = script.read_text(encoding="utf-8")
     assert len(text.splitlines()) <= 25
     (picture,) = re.findall(r"^Picture: (\S+)$", text, re.MULTILINE)
     assert (ROOT / "docs" / "pictures" / picture).exists()
     monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr("asterism.draw.render.SUPERSAMPLING", 1)  # as in the notebooks' test
     runpy.run_path(str(script))

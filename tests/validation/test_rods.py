@@ -61,12 +61,8 @@ def sizes(counts: tuple[int, ...]) -> list[float]:
 @pytest.mark.parametrize(
     ("load", "w", "u", "slope"),
     [
-        (0.2, 0.06636, 0.00265, 5.709),
         (1.0, 0.30172, 0.05643, 26.434),
-        (2.0, 0.49346, 0.16064, 44.791),
-        (3.0, 0.60325, 0.25442, 56.495),
         (4.0, 0.66996, 0.32894, 64.242),
-        (5.0, 0.71379, 0.38763, 69.635),
         (10.0, 0.81061, 0.55500, 81.949),
     ],
 )
@@ -95,10 +91,7 @@ def test_tip_loaded_cantilever(load, w, u, slope):
     ("gravity", "reach", "drop"),
     [
         (1.0, 0.991246, 0.123471),
-        (5.0, 0.846657, 0.495905),
         (10.0, 0.656354, 0.700200),
-        (20.0, 0.445232, 0.829881),
-        (50.0, 0.245015, 0.907917),
         (100.0, 0.159223, 0.937524),
     ],
 )
@@ -139,11 +132,8 @@ def test_very_heavy_cantilever():
 @pytest.mark.parametrize(
     ("phi", "gravity", "aside", "drop"),
     [
-        (1.0, 1.0, 0.419719, 0.868234),
         (1.0, 10.0, 0.236978, 0.954674),
         (2.0, 1.0, 0.679391, 0.525291),
-        (2.0, 10.0, 0.444709, 0.820001),
-        (np.pi, 1.0, 0.657676, 0.068513),
         (np.pi, 10.0, 0.601297, 0.563872),
     ],
 )
@@ -168,7 +158,7 @@ def test_naturally_curved_hanging_rod(phi, gravity, aside, drop):
         assert_second_order(h, values, published, 2e-5, 3e-4)
 
 
-@pytest.mark.parametrize("phi", [1.0, np.pi, 2.0 * np.pi])
+@pytest.mark.parametrize("phi", [1.0, 2.0 * np.pi])
 def test_curved_rod_without_load_is_a_circle(phi):
     """Zero energy; the polygon's corners turn by 2 atan(phi/(2 n)), as the integrated curvature says."""
     n = 40
@@ -223,7 +213,6 @@ def test_column_under_its_own_weight():
     ("degrees", "load", "x", "y"),
     [
         (20.0, 1.0154, 0.9697, 0.2194),
-        (40.0, 1.0637, 0.8812, 0.4222),
         (60.0, 1.1517, 0.7410, 0.5932),
         (120.0, 1.8848, 0.1232, 0.8032),
     ],

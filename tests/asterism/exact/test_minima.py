@@ -104,7 +104,7 @@ def test_pins_after_release_are_in_the_path() -> None:
 @pytest.mark.parametrize(
     "sections",
     [
-        pytest.param({"fabric": {"bending": "consistent"}}, marks=pytest.mark.slow),
+        {"fabric": {"bending": "consistent"}},
         {"solver": {"contact": True}},
         {
             "fabric": {"modulus_mpa": 0.5},

@@ -28,11 +28,12 @@ from tests.asterism.commands import Cli
 from tests.asterism.fitting.surfaces import spherical_cap
 
 PREVIEW = FitSettings(exact=False)
+CAP = spherical_cap(30.0, 84.0)
 
 
 @pytest.fixture(scope="module")
 def target() -> TargetSurface:
-    return TargetSurface.of_triangles(*spherical_cap(30.0, 84.0), name="cap.obj")
+    return TargetSurface.of_triangles(*CAP, name="cap.obj")
 
 
 @pytest.fixture(scope="module")
@@ -106,7 +107,7 @@ def test_the_exact_model_corrects_the_fit() -> None:
     assert (summary.other_exact is None) == summary.exact_agrees
 
 
-def test_derivatives_of_the_residuals_are_the_limit_of_edits(fitted: Fit, target: TargetSurface) -> None:
+def test_derivatives_of_the_residuals_are_the_limit_of_edits(target: TargetSurface) -> None:
     from asterism.fitting.search import moves_at
     from asterism.fitting.star_unknowns import StarUnknowns
     from asterism.previews.star_sensitivity import star_sensitivity
@@ -147,8 +148,7 @@ def test_wrong_arguments_are_refused_in_one_line(target: TargetSurface) -> None:
 
 @pytest.mark.slow
 def test_the_command_writes_a_design_and_its_evidence(tmp_path: Path, cli: Cli) -> None:
-    vertices, triangles = spherical_cap(30.0, 84.0)
-    trimesh.Trimesh(vertices, triangles, process=False).export(tmp_path / "cap.obj")
+    trimesh.Trimesh(*CAP, process=False).export(tmp_path / "cap.obj")
     design = tmp_path / "out.toml"
     words = ["fit", str(tmp_path / "cap.obj"), "-o", str(design), "--no-exact", "--quiet"]
     outcome = cli(words)
@@ -160,23 +160,21 @@ def test_the_command_writes_a_design_and_its_evidence(tmp_path: Path, cli: Cli) 
     assert names == {"report.html", "rods.vtu", "shape.obj", "shape.vtu", "summary.json", "target.obj"}
     # the written target is that of the fit, in its pose
     written = trimesh.load(tmp_path / "out-fit" / "target.obj", process=False)
-    assert np.ptp(np.asarray(written.vertices)[:, 2]) == pytest.approx(np.ptp(vertices[:, 2]), abs=1e-3)
+    assert np.ptp(np.asarray(written.vertices)[:, 2]) == pytest.approx(np.ptp(CAP[0][:, 2]), abs=1e-3)
     outcome = cli([*words, "--within", "0.001"])
     assert outcome.status == 1
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_an_interrupted_command_writes_the_best_design_until_then(number: int, tmp_path: Path) -> None:
-    vertices, triangles = spherical_cap(30.0, 84.0)
-    trimesh.Trimesh(vertices, triangles, process=False).export(tmp_path / "cap.obj")
+def test_an_interrupted_command_writes_the_best_design_until_then(tmp_path: Path) -> None:
+    trimesh.Trimesh(*CAP, process=False).export(tmp_path / "cap.obj")
     words = [sys.executable, "-m", "asterism", "fit", "cap.obj", "-o", "out.toml"]
     with open(tmp_path / "errors", "w") as errors:
         process = subprocess.Popen(words, cwd=tmp_path, stderr=errors)
     while "iteration" not in (tmp_path / "errors").read_text():  # of the first exact shape
         time.sleep(0.05)
         assert process.poll() is None
-    process.send_signal(number)
+    process.send_signal(signal.SIGINT)
     assert process.wait(timeout=600) == 130
     lines = (tmp_path / "errors").read_text().splitlines()
     assert lines[-2].startswith("asterism: interrupted: the design is the best one until then")
@@ -206,8 +204,7 @@ def test_an_interrupted_command_writes_the_best_design_until_then(number: int, t
     ],
 )
 def test_the_command_refuses_in_one_line(words: list[str], problem: str, tmp_path: Path, cli: Cli) -> None:
-    vertices, triangles = spherical_cap(30.0, 84.0)
-    trimesh.Trimesh(vertices, triangles, process=False).export(tmp_path / "cap.obj")
+    trimesh.Trimesh(*CAP, process=False).export(tmp_path / "cap.obj")
     outcome = cli(["fit", str(tmp_path / "cap.obj"), "--no-exact", "--quiet", *words])
     assert outcome.status in (1, 2) and problem in outcome.line
     assert sorted(file.name for file in tmp_path.iterdir()) == ["cap.obj"]

@@ -246,9 +246,9 @@ def at_once(work: Work, count: int) -> tuple[list[int], list[Any]]:
 
 
 @pytest.mark.slow
-def test_fifty_requests_at_once_are_answered_in_order(tmp_path: Path):
-    order, answers = at_once(Work(tmp_path), 50)
-    assert order == list(range(50)) and {answer.status_code for answer in answers} == {200}
+def test_many_requests_at_once_are_answered_in_order(tmp_path: Path):
+    order, answers = at_once(Work(tmp_path), 20)
+    assert order == list(range(20)) and {answer.status_code for answer in answers} == {200}
     designs = [answer.json()["values"][-1]["InnerTree"]["{0}"][0]["data"] for answer in answers]
     assert all(f"length_mm = {6.0 + 0.02 * number:.4g}" in design for number, design in enumerate(designs))
 

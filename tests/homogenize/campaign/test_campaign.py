@@ -183,7 +183,7 @@ def test_no_law_from_too_few_answers(tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("number", [signal.SIGINT, pytest.param(signal.SIGKILL, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
 def test_interrupted_campaigns_leave_whole_files_and_no_workers(
     number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

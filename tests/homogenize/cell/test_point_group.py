@@ -75,10 +75,8 @@ def test_a_reflection_about_a_mirror_line_maps_the_lattice_onto_itself(kind: str
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "turn", [0.0, pytest.param(7.0, marks=pytest.mark.slow), pytest.param(45.0, marks=pytest.mark.slow)]
-)
-@pytest.mark.parametrize("arms", range(3, 9))
+@pytest.mark.parametrize("turn", [0.0, 7.0])
+@pytest.mark.parametrize("arms", [3, 4, 5, 6, 8])
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_mesh_has_the_symmetry(kind: str, arms: int, turn: float) -> None:
     star = design(5.0, lattice={"arms": arms, "orientation_deg": turn, **KINDS[kind]})

@@ -120,8 +120,8 @@ def test_silhouettes() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("turn", [0.3, 2.0, 4.5])
-def test_known_motions_are_undone(turn: float) -> None:
+def test_known_motions_are_undone() -> None:
+    turn = 2.0
     corners = np.array([[0, 0], [90, 0], [90, 40], [40, 60], [0, 40]], dtype=float)
     cos, sin = np.cos(turn), np.sin(turn)
     moved = corners @ np.array([[cos, sin], [-sin, cos]]) + [300, -20]
