@@ -1,6 +1,7 @@
 // Changes of the document: drawn at once, sent at most every 30 ms, one gesture number from pointer down to up.
 
 import { QUANTITIES } from "./format.js";
+import { brushed } from "./rods.js";
 import { emptyLocal, Sheet } from "./sheet.js";
 
 const INTERVAL_MS = 30;
@@ -47,9 +48,9 @@ export class Edits {
     this.#gather("sizes", values, quantity);
   }
 
-  /** The brush over rods: {size, mode, radius, strength, value, low, high}, put down at the images of one place; the
-   * server says what comes of it. */
-  brush(brush, images) {
+  /** The brush over rods: {size, mode, radius, strength, value, low, high}, put down at the images of one place. Rods of the names `kept` keep their sizes. */
+  brush(brush, images, kept) {
+    this.#local.rods = brushed(this.store.get("sheet").rods, brush, images, kept);
     const name = `brush ${brush.value}`; // Alt changes its sign
     const places = this.#waiting.get(name)?.fields.places ?? [];
     this.#later("brush", { ...brush, places: [...places, images] }, name);

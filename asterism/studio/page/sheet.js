@@ -73,7 +73,7 @@ export const brushOn = (sheet, brush) => ({ ...brush, radius: brush.radius ?? sh
 const keyOf = (site) => `${site[0]},${site[1]}`;
 
 /** Stars, outline and supports as they are drawn. `local`: {sizes: Map(key -> {length_mm..}), removed: Map(key -> bool),
- * weights, border, outline, holes, pins}. */
+ * weights, rods, border, outline, holes, pins}. */
 export class Sheet {
   constructor(document, local = emptyLocal()) {
     const { plan, limits } = document;
@@ -93,7 +93,7 @@ export class Sheet {
     this.holes = local.holes ?? plan.holes_mm ?? [];
     this.fileRings = plan.hole_rings ?? []; // numbers of rings of the tables of holes, 1 unless they are files
     this.stars = plan.sites.map((entry, row) => this.#star(entry, row));
-    this.rods = plan.rods ?? [];
+    this.rods = local.rods ?? plan.rods ?? [];
     this.byKey = new Map(this.stars.map((star) => [star.key, star]));
     this.box = bounds(this.outline.concat(this.outline.length ? [] : [[0, 0]]));
     this.centre = centroid(this.outline);
@@ -249,7 +249,7 @@ function heldEdges(table, outline) {
 }
 
 export function emptyLocal() {
-  const drawn = { border: null, outline: null, holes: null, pins: null };
+  const drawn = { rods: null, border: null, outline: null, holes: null, pins: null };
   return { sizes: new Map(), removed: new Map(), reset: new Set(), weights: new Map(), ...drawn };
 }
 

@@ -50,7 +50,7 @@ def test_the_brush_paints_rods_while_it_is_dragged(shared: StudioPage, folder: P
     mouse = shared.page.mouse
     mouse.move(*shared.point((-10.0, 0.0)))
     mouse.down()
-    shared.wait(f"{widest} > 2.9")  # while the brush is down
+    shared.wait(f"{widest} > 2.9")  # drawn before the server answers
     mouse.up()
     shared.wait("studio.document.design.rods.width_mm?.image && !studio.isWaiting")
     drawn = shared.get("studio.document.plan.rods")

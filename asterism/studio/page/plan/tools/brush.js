@@ -2,10 +2,13 @@
 
 import { QUANTITIES, fixed } from "../../format.js";
 import { clamp, falloff, images } from "../../geometry.js";
+import { namesWithOwn } from "../../sheet.js";
 import { starsWithin } from "./common.js";
 import { EVEN_MODES, StrokeTool } from "./stroke.js";
 
 export class BrushTool extends StrokeTool {
+  #kept = new Set(); // names of rods that a stroke leaves as they are
+
   constructor(studio) {
     super(studio, "brush");
   }
@@ -17,6 +20,8 @@ export class BrushTool extends StrokeTool {
     if (paints && quantity === "thickness" && this.store.get("planColour") === "none") {
       this.store.set({ planColour: "thickness" });
     }
+    const { design } = this.sheet;
+    this.#kept = namesWithOwn(design, QUANTITIES[quantity].key);
     super.down(event);
   }
 
@@ -58,7 +63,7 @@ export class BrushTool extends StrokeTool {
     const [low, high] = sheet.range(quantity, this.store.get("inLaw"));
     const value = mode === "add" ? (event.alt ? -amount : amount) : clamp(target, low, high);
     const brush = { size: QUANTITIES[quantity].key, mode, radius, strength, value, low, high };
-    this.edits.brush(brush, images(at, this.store.get("symmetry")));
+    this.edits.brush(brush, images(at, this.store.get("symmetry")), this.#kept);
   }
 
   #mean(sheet, star, column) {
