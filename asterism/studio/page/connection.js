@@ -3,7 +3,6 @@
 import { withoutOptions } from "./format.js";
 
 const TYPES = { f4: Float32Array, u4: Uint32Array, i1: Int8Array, u1: Uint8Array, f8: Float64Array };
-const BYTES = { f4: 4, u4: 4, i1: 1, u1: 1, f8: 8 };
 const MAX_WAIT_MS = 5000;
 const TRY_AGAIN_LATER = 1013; // too many pages are open
 
@@ -14,7 +13,7 @@ export function unpack(buffer) {
   const arrays = {};
   for (const { name, dtype, shape, offset: at } of header.arrays ?? []) {
     const count = shape.reduce((all, one) => all * one, 1);
-    const bytes = BYTES[dtype];
+    const bytes = TYPES[dtype].BYTES_PER_ELEMENT;
     arrays[name] =
       at % bytes === 0 ? new TYPES[dtype](buffer, at, count) : new TYPES[dtype](buffer.slice(at, at + count * bytes));
     arrays[name].rows = shape[0];

@@ -41,14 +41,21 @@ function put(element, key, value) {
   else element.setAttribute(key, value === true ? "" : String(value));
 }
 
+/** Children that stay: what shows them belongs to what shows the element. */
 export function append(element, children) {
-  for (const child of children.flat(Infinity)) {
-    const one = child?.element ?? child;
-    if (typeof one === "function") live(element, changed(one, (text) => (element.textContent = text)));
-    else if (one !== null && one !== undefined && one !== false) element.append(one);
-    if (one?.[LIVE]) (element[LIVE] ??= []).push(...one[LIVE]);
+  for (const child of listOf(children)) {
+    if (typeof child === "function") live(element, changed(child, (text) => (element.textContent = text)));
+    else element.append(child);
+    if (child[LIVE]) (element[LIVE] ??= []).push(...child[LIVE]);
   }
 }
+
+/** The elements, texts and functions among children. */
+const listOf = (children) =>
+  children
+    .flat(Infinity)
+    .map((child) => child?.element ?? child)
+    .filter((child) => child !== null && child !== undefined && child !== false);
 
 /** Has a function called now, and whenever the element, or one that it is a part of, is shown. */
 export function live(element, show) {
@@ -82,10 +89,8 @@ export const bound = (store, entry, key = null) => ({
   onchange: (value) => store.set({ [entry]: key ? { ...store.get(entry), [key]: value } : value }),
 });
 
-export function replace(element, ...children) {
-  element.replaceChildren();
-  append(element, children);
-}
+/** Other children, which stay as they are until they are replaced. */
+export const replace = (element, ...children) => element.replaceChildren(...listOf(children));
 
 const drawn = new WeakMap();
 

@@ -8,7 +8,8 @@ export function smallPlan(canvas, points, margin, ratio = 1) {
   const context = canvas.getContext("2d");
   const [width, height] = [canvas.width / ratio, canvas.height / ratio];
   const { size, centre } = bounds(points);
-  const scale = Math.min((width - 2 * margin) / Math.max(size[0], 1e-9), (height - 2 * margin) / Math.max(size[1], 1e-9));
+  const room = [width - 2 * margin, height - 2 * margin];
+  const scale = Math.min(...room.map((side, axis) => side / Math.max(size[axis], 1e-9)));
   const at = ([x, y]) => [width / 2 + scale * (x - centre[0]), height / 2 - scale * (y - centre[1])];
   context.setTransform(ratio, 0, 0, ratio, 0, 0);
   context.clearRect(0, 0, width, height);
