@@ -6,10 +6,13 @@ export function vertexNormals(positions, triangles) {
   for (let t = 0; t < triangles.length; t += 3) {
     const [a, b, c] = [3 * triangles[t], 3 * triangles[t + 1], 3 * triangles[t + 2]];
     for (let k = 0; k < 3; k++) {
-      const [i, j] = [(k + 1) % 3, (k + 2) % 3];
-      const [u, v] = [positions[b + i] - positions[a + i], positions[c + j] - positions[a + j]];
-      const [w, z] = [positions[b + j] - positions[a + j], positions[c + i] - positions[a + i]];
-      for (const corner of [a, b, c]) normals[corner + k] += u * v - w * z;
+      const i = (k + 1) % 3;
+      const j = (k + 2) % 3;
+      const along = (positions[b + i] - positions[a + i]) * (positions[c + j] - positions[a + j]);
+      const normal = along - (positions[b + j] - positions[a + j]) * (positions[c + i] - positions[a + i]);
+      normals[a + k] += normal;
+      normals[b + k] += normal;
+      normals[c + k] += normal;
     }
   }
   for (let k = 0; k < normals.length; k += 3) {
