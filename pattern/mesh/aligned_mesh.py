@@ -64,11 +64,7 @@ def aligned_mesh(layout: Layout, edge_mm: float, draft: bool = False) -> Mesh:
 def _hexagon_mesh(layout: Layout, grid: _LatticeGrid, hexagon: _HexagonBorder) -> Mesh:
     """The grid hexagon with its own connectivity, moved onto the border."""
     patch, pins = hexagon.patch(grid), layout.pin_points
-    ring, corners = patch.index(hexagon.ring), hexagon.corners
-    edge_mm = float(np.linalg.norm(corners[1] - corners[0])) / hexagon.rows
-    outline = outline_points(corners, edge_mm, pins, grid.tolerance, np.empty((0, 2)))
-    if len(outline) != len(ring):
-        raise MeshError("pins on the outline need another number of mesh edges")
+    ring, outline = patch.index(hexagon.ring), hexagon.places(pins, grid.tolerance)
     number = np.zeros(len(patch.ij), dtype=np.int64)
     number[ring] = np.arange(len(ring))
 
@@ -134,6 +130,32 @@ class _HexagonBorder:
         faces = np.array([[one[:, 0], one[:, 1], one.sum(axis=1)] for one in (at, step)])
         left = self.rows - faces[0] * faces[1]
         return np.asarray(np.where(faces[1] != 0, left, left.max(initial=0)).min(axis=0))
+
+    def places(self, pins: Floats, tolerance: float) -> Floats:
+        """Places (6 rows, 2) of the ring: evenly spaced between corners, and pins (P, 2) mm that are on the outline."""
+        taken: dict[int, float] = {q * self.rows: float(q * self.rows) for q in range(6)}
+        for point in pins[distance_to_outline(pins, self.corners) <= tolerance]:
+            at = self._along(point)
+            if not any(abs(at - t) < 1e-5 for t in taken.values()):
+                station = round(at) % len(self.ring)
+                if station in taken:
+                    raise MeshError("two pins or corners on the outline need the same mesh vertex")
+                taken[station] = at
+        ordered = sorted(taken)
+        stations, along = np.array([*ordered, len(self.ring)]), np.array([*(taken[k] for k in ordered), len(self.ring)])
+        if (np.diff(along) <= 0).any():
+            raise MeshError("pins on the outline are closer together than the mesh edges")
+        t = np.interp(np.arange(len(self.ring)), stations, along)
+        side = np.minimum(t // self.rows, 5).astype(int)
+        part = (t / self.rows - side)[:, None]
+        return np.asarray((1 - part) * self.corners[side] + part * self.corners[(side + 1) % 6])
+
+    def _along(self, point: Floats) -> float:
+        """How far along the outline a point on it is, in grid edges from the first corner."""
+        a, b = self.corners, np.roll(self.corners, -1, axis=0)
+        part = np.clip(((point - a) * (b - a)).sum(axis=1) / ((b - a) ** 2).sum(axis=1), 0, 1)
+        side = int(np.argmin(np.linalg.norm(a + part[:, None] * (b - a) - point, axis=1)))
+        return float(side + part[side]) * self.rows % len(self.ring)
 
 
 def _cut_mesh(layout: Layout, grid: _LatticeGrid, enough: float = np.inf) -> Mesh:
