@@ -83,8 +83,8 @@ MIN_MOTIF_SHARE = 1e-3
 MAX_GAUSSIAN_FACTOR = 5.0
 # largest Gaussian modulus over the one at which bending becomes indefinite without a warning
 MAX_RIM_SHARE = 1.5
-# keys of a drawn line that change the sizes of rods, not their places
-ROD_SIZES = {"name", "thickness_mm", "width_mm"}
+# keys of a drawn line that change the rods, not their places
+ROD_KEYS = {"name", "thickness_mm", "width_mm", "side"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,7 +145,7 @@ class MotifSheet(PrintSheet):
         return MotifSheetValues(tensors, law.evaluate_at(design, on_rods).outside, len(on_rods), is_uniform)
 
     def is_same_print(self, design: Design, layout: Layout) -> bool:
-        """Whether a design differs only in the sizes of its rods, its material and the positions of its pins."""
+        """Whether a design differs only in sizes and faces of its rods, its material and the positions of its pins."""
         same = super().is_same_print(design, layout) and self.has_rods_of(layout)
         return same and _lines(design) == _lines(self.design)
 
@@ -165,7 +165,8 @@ class MotifSheet(PrintSheet):
             The rest metric is not positive definite: the sizes of the rods differ too much from place to place.
         """
         metric, stiffness, curvature = values.tensors.metric, values.tensors.stiffness, values.tensors.curvature
-        if self.design.required_rods.side == "below":  # the mirror image
+        rods = self.design.required_rods
+        if rods.face(rods.motif[0]) < 0:  # the mirror image of the law's cells
             mirror = np.repeat([1.0, -1.0], 3)
             stiffness, curvature = stiffness * mirror * mirror[:, None], -curvature
         density = Density(stiffness)
@@ -232,8 +233,8 @@ class MotifSheet(PrintSheet):
 
 
 def _lines(design: Design) -> object:
-    """All of the motif but for its sizes."""
-    return [line.model_dump(mode="json", exclude=ROD_SIZES) for line in design.required_rods.motif]
+    """All of the motif but for its sizes and faces."""
+    return [line.model_dump(mode="json", exclude=ROD_KEYS) for line in design.required_rods.motif]
 
 
 def _beside_bare(stiffness: Floats, curvature: Floats, bare: Floats, fabric: Fabric) -> tuple[Floats, Floats]:

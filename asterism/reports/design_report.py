@@ -360,8 +360,10 @@ def _rods(plan: Layout) -> list[str]:
     if not rods:
         return []
     thickness, widths = (np.concatenate([getattr(rod, name) for rod in rods]) for name in ("thickness", "width"))
+    below = sum(rod.length for rod in rods if rod.side < 0)
     return [
         f"{len(rods)} between nodes, {sum(rod.length for rod in rods):.0f} mm in all",
+        *([f"{below:.0f} mm below the fabric"] if below else []),
         f"joints: {len(plan.graph.joints)}",
         f"thickness {_range(thickness)}, width {_range(widths)} mm",
         _size(plan),

@@ -165,7 +165,9 @@ def _cell(design: Design, sizes: tuple[Size, ...]) -> Design:
 
 
 def _lines(rods: Rods, lines: list[dict[str, Any]], sizes: tuple[Size, ...]) -> list[dict[str, Any]]:
+    """The lines with numbers as their sizes, the first of them above the fabric."""
     for line, drawn in zip(lines, rods.motif, strict=True):
+        line["side"] = None if rods.face(drawn) == rods.face(rods.motif[0]) else "below"
         for key in ROD_SIZE_KEYS:
             field = source_of(rods, drawn, key)
             if not isinstance(field, Profile):

@@ -142,9 +142,10 @@ class UnitCell(System):
         self.mesh = _inner_first(mesh)
         self.printed, self.cell_vectors = self.mesh.points, self.mesh.cell_vectors
         self.model = _unfolded_model(design, self.mesh, motif)
-        points = self.model.joints.vertices
-        vertices, joint = np.unique(self.mesh.base[points], return_inverse=True)
-        self._joint_images, self._base_joints = (points, joint), vertices
+        points, face = self.model.joints.vertices, np.empty(len(self.model.joints.vertices), dtype=np.int64)
+        face[self.model.joints.joint] = self.model.edge_side[self.model.joints.edge]
+        own, joint = np.unique(2 * self.mesh.base[points] + (face < 0), return_inverse=True)
+        self._joint_images, self._base_joints = (points, joint), own // 2
         self._known: dict[bool, tuple[Array, Array, SparsePattern]] = {}
         self._factors: dict[bool, Factor] = {}
         self.curvature: float | None = None
@@ -385,22 +386,26 @@ def _stars(design: Design, torus: PeriodicMesh) -> Layout:
 
 
 def _rods(design: Design, torus: PeriodicMesh, motif: MotifGraph) -> Layout:
-    """Each rod in its unfolded piece. Nodes at which rods end are joints, though their other rods may be images."""
+    """Each rod in its unfolded piece. Nodes at which rods of one face end are joints, though their other rods may be
+    images."""
+    sources = motif.rods * (len(torus.rods) // len(motif.rods))
     ends = np.array([[path[0], path[-1]] for path in torus.rods])
-    vertices, node = np.unique(ends, return_inverse=True)
-    at_base = np.bincount(torus.base[ends].ravel(), minlength=torus.n_base)
+    is_below = np.array([[rod.side < 0] for rod in sources])
+    own, node = np.unique(2 * ends + is_below, return_inverse=True)
+    vertices = own // 2
+    at_base = np.bincount((2 * torus.base[ends] + is_below).ravel(), minlength=2 * torus.n_base)
     rods = tuple(
         replace(
             source, points=source.points + (torus.points[path[0]] - source.points[0]), start=int(start), end=int(end)
         )
         for path, source, (start, end) in zip(
             torus.rods,
-            motif.rods * (len(torus.rods) // len(motif.rods)),
+            sources,
             node.reshape(-1, 2),
             strict=True,
         )
     )
-    bonded = np.flatnonzero(at_base[torus.base[vertices]] > 1)
+    bonded = np.flatnonzero(at_base[2 * torus.base[vertices] + own % 2] > 1)
     return _layout(design, drawn=RodGraph(torus.points[vertices], rods, bonded=bonded))
 
 

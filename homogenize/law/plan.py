@@ -289,12 +289,14 @@ class LawPlan:
         yield Trait("rods.curve_mm", "motif", rods.curve_mm, "")
         yield Trait("rods.join_mm", "motif", rods.join_mm, "")
         for number, line in enumerate(rods.motif):
-            # names are for people
-            free = {"name", *(size.key for size in self.sizes if number in (size.lines or ()))}
+            # names are for people; with all faces exchanged, the sheet is the mirror image
+            free = {"name", "side", *(size.key for size in self.sizes if number in (size.lines or ()))}
             for key, value in line.model_dump(mode="json").items():
                 if key not in free:
                     value = _number(rods, line, key) if key in ROD_SIZE_KEYS else value
                     yield Trait(f"rods.motif[{number}].{key}", "motif", value, "")
+            side = "the same face as" if rods.face(line) == rods.face(rods.motif[0]) else "the other face than"
+            yield Trait(f"rods.motif[{number}].side", "motif", side, f"{side} line 0")
 
     def sources(self, design: Design) -> list[SizingField]:
         """The sizing field of a design's motif for each of `sizes`.

@@ -12,7 +12,7 @@ from asterism.pattern.design.materials import CurvaturePerMm
 from asterism.pattern.design.rounding import Rounding
 from asterism.pattern.design.section import Flag, Line, Number, NumberOrPair, Point, Section, Text
 from asterism.pattern.design.sizing.profiles import SizingField
-from asterism.pattern.design.stars import Side
+from asterism.pattern.design.stars import FACES, Side
 
 MIN_RADIUS_MM = 0.5
 MAX_RADIUS_MM = 1e4
@@ -87,6 +87,7 @@ class DrawnLine(Section):
     width_mm: SizingField | None = None
     # residual curvature of this line's plastic, in place of that of `[plastic]`.
     kappa_bar_per_mm: CurvaturePerMm | None = None
+    side: Side | None = None  # the face of the fabric that carries it, in place of that of `[rods]`
 
     @property
     def outline_shape(self) -> str:
@@ -102,10 +103,11 @@ class DrawnLine(Section):
 
 
 class LayerSizes(Section):
-    """Sections of the lines of one layer, in place of those of the file and of `[rods]`."""
+    """Sections and face of the lines of one layer, in place of those of the file and of `[rods]`."""
 
     thickness_mm: SizingField | None = None
     width_mm: SizingField | None = None
+    side: Side | None = None
 
 
 class StoredLine(Section):
@@ -144,11 +146,10 @@ class ImportedDrawing(Section):
         for line in self.lines:
             if self.layers is not None and line.layer not in self.layers:
                 continue
-            sizes = LayerSizes() if self.layers is None else self.layers[line.layer]
-            stroke = line.width_mm if self.width == "stroke" else None
-            width = stroke if sizes.width_mm is None else sizes.width_mm
-            name = one_line(line.layer)[:100]
-            out.append(DrawnLine(name=name, line_mm=line.points_mm, thickness_mm=sizes.thickness_mm, width_mm=width))
+            sizes = {} if self.layers is None else dict(self.layers[line.layer])
+            if self.width == "stroke" and sizes.get("width_mm") is None:
+                sizes["width_mm"] = line.width_mm
+            out.append(DrawnLine(name=one_line(line.layer)[:100], line_mm=line.points_mm, **sizes))
         return tuple(out)
 
 
@@ -166,7 +167,8 @@ class Rods(Section):
     # largest distance of a curve from the straight pieces that stand for it.
     curve_mm: Number = Field(0.005, ge=0.0005, le=1)
     join_mm: Number = Field(0.1, ge=0.001, le=2)  # ends that are nearer than this to another line are moved onto it
-    side: Side | None = None  # the face of the fabric that carries the plastic of all lines; above by default
+    # the face of the fabric that carries the plastic of all lines without one of their own; above by default
+    side: Side | None = None
     rounding: Rounding | None = None  # rounds thickness and width of every line to what a printer can make
 
     @model_validator(mode="after")
@@ -179,3 +181,7 @@ class Rods(Section):
     def on_sheet(self) -> tuple[DrawnLine, ...]:
         """The lines on the sheet, drawn here and imported."""
         return (*self.draw, *(line for drawing in self.imported for line in drawing.drawn()))
+
+    def face(self, line: DrawnLine) -> int:
+        """1 for a line above the fabric, -1 for one below."""
+        return FACES[line.side or self.side]

@@ -151,7 +151,7 @@ def distance_along(
 
 
 def clusters(places: Floats, distance: float) -> tuple[Ints, Floats]:
-    """Cluster (n,) of each place, and the first place (k, 2) of each cluster; clusters in the order of their first."""
+    """Cluster (n,) of each place (n, d), and the first place (k, d) of each; clusters in the order of their first."""
     # slow to import, and not needed to read a design
     from scipy.sparse import coo_array
     from scipy.sparse.csgraph import connected_components

@@ -74,7 +74,7 @@ class Layout:
     def graph(self) -> RodGraph:
         """All rods, and the nodes at which they meet: the drawing, or one rod an arm, in the order of the arms.
 
-        Ends of arms of different stars that meet are one node.
+        Ends of arms of different stars that meet on one face are one node.
         """
         if self.drawn is not None:
             return self.drawn
@@ -82,7 +82,10 @@ class Layout:
         node: Ints = np.arange(len(places))
         nodes = places
         if self.meeting_mm > 0.0:
-            node, nodes = clusters(places, self.meeting_mm)
+            # plastic above and plastic below do not bond, see `apart_by_face`: they are at different heights
+            height = np.concatenate([self.star_side, self.star_side[self.arm_star]])[:, None]
+            node, nodes = clusters(np.hstack([places, height]), self.meeting_mm)
+            nodes = nodes[:, :2]
         points = np.stack([self.centres[self.arm_star], self.arm_tip], axis=1)
         start, end = node[self.arm_star], node[count:]
         arms = zip(points, start.tolist(), end.tolist(), self.arm_thickness, self.arm_width, strict=True)

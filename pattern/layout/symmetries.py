@@ -107,7 +107,8 @@ class _Pattern:
         self._lines = graph.lines
         self._tree = shapely.STRtree(self._lines)
         ends = np.bincount([node for rod in rods for node in (rod.start, rod.end)], minlength=len(graph.nodes))
-        self._free_ends = cKDTree(graph.nodes[ends == 1])
+        # a rod above and one below may end at one place
+        self._free_ends = cKDTree(np.unique(graph.nodes[ends == 1], axis=0))
         # all rods, one after the other with gaps, on one line of stations
         lengths = shapely.length(self._lines)
         self._first = np.cumsum(lengths + 1.0) - lengths

@@ -14,10 +14,10 @@ from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.design.rods import DrawnLine, Rods
 from asterism.pattern.design.sizing.profiles import Profile, SizingField, sample
-from asterism.pattern.design.stars import FACES, MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM
+from asterism.pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM
 from asterism.pattern.geometry.planar import polygon_area
 from asterism.pattern.rods.curves import check_holes, hole_rings, polyline, shown_place
-from asterism.pattern.rods.graph import Rod, RodGraph, close_rods, place_between
+from asterism.pattern.rods.graph import Rod, RodGraph, apart_by_face, close_rods, place_between
 from asterism.pattern.rods.planar_lines import Piece, cut_lines, is_closed
 
 MAX_COPIES = 20_000
@@ -127,8 +127,11 @@ def graph_of_lines(lines: list[PlacedLine], rods: Rods) -> tuple[RodGraph, list[
     names = [each.name for each in lines]
     nodes, pieces = cut_lines([each.points for each in lines], rods.join_mm, max(merge, rods.join_mm), names)
     made = (rod_of_piece(lines[piece.line], piece.points, piece.start, piece.end, rods) for piece in pieces)
-    graph = RodGraph(nodes, tuple(made))
+    met = RodGraph(nodes, tuple(made))
+    graph = apart_by_face(met)
     _check_rods(graph)
+    _check_angles(met)
+    _check_clearance(met)
     return graph, pieces
 
 
@@ -207,8 +210,8 @@ def rod_of_piece(drawn: PlacedLine, points: Floats, start: int, end: int, rods: 
     widths = _sizes(width, points, WIDTH_RANGE_MM, "width_mm", drawn, rods)
     if (rounding := rods.rounding) is not None:
         thicknesses, widths = rounding.thickness(thicknesses), rounding.width(widths)
-    kappa_bar, side = line.kappa_bar_per_mm, FACES[rods.side]
-    return Rod(points, start, end, thicknesses, widths, kappa_bar, drawn.name, drawn.group, side)
+    kappa_bar, face = line.kappa_bar_per_mm, rods.face(line)
+    return Rod(points, start, end, thicknesses, widths, kappa_bar, drawn.name, drawn.group, face)
 
 
 def _sizes(
@@ -243,8 +246,6 @@ def _check_rods(graph: RodGraph) -> None:
             raise _error(
                 f"{rod.name} has a piece of {rod.length:.2f} mm at {shown_place(place)}: {MIN_ARM_MM:g} or more", place
             )
-    _check_angles(graph)
-    _check_clearance(graph)
 
 
 def _check_angles(graph: RodGraph) -> None:
@@ -256,7 +257,8 @@ def _check_angles(graph: RodGraph) -> None:
             if angle < MIN_ROD_ANGLE_DEG:
                 place = graph.nodes[node]
                 meet = f"{first.name} and {second.name} meet at {angle:.0f} deg at {shown_place(place)}"
-                raise _error(f"{meet}: {MIN_ROD_ANGLE_DEG:g} or more, or draw them as one", place)
+                other = ", or draw them as one" if first.side == second.side else ", also on two faces of the fabric"
+                raise _error(f"{meet}: {MIN_ROD_ANGLE_DEG:g} or more{other}", place)
 
 
 def _check_clearance(graph: RodGraph) -> None:
@@ -264,8 +266,9 @@ def _check_clearance(graph: RodGraph) -> None:
     for first, second, gap in close_rods(graph, graph):
         if not {first.start, first.end} & {second.start, second.end}:
             place = place_between(first, second)
+            become = "print as one" if first.side == second.side else "lie on each other through the fabric"
             raise _error(
-                f"{first.name} and {second.name} are {gap:.2f} mm apart at {shown_place(place)} and would print as one "
+                f"{first.name} and {second.name} are {gap:.2f} mm apart at {shown_place(place)} and would {become} "
                 f"(widths {first.width.max():g}, {second.width.max():g}): move them apart, or let them meet",
                 place,
             )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import NamedTuple
 
@@ -157,6 +157,33 @@ class RodGraph:
         back = -self.rods[second.rod].direction_at(second.end)
         turn = np.arctan2(cross_2d(back, out), back @ out)
         return bool(abs(turn) <= np.radians(CORNER_DEG))
+
+
+def apart_by_face(graph: RodGraph) -> RodGraph:
+    """The graph of the same rods in which those above and those below the fabric have nodes of their own.
+
+    Plastic bonds to plastic of its own face. Across the fabric, which is far softer, rods share the place at which they
+    meet, and turn freely against each other. So two nodes may be at one place. `paired` and `bonded` of the graph are
+    empty.
+
+    Examples
+    --------
+    Two rods in one line and two across them. Those across are below, so nothing is bonded:
+
+    >>> ends, sizes = np.array([[-9.0, 0.0], [9.0, 0.0], [0.0, -9.0], [0.0, 9.0]]), np.array([0.3, 0.3])
+    >>> sides = [1, 1, -1, -1]
+    >>> rods = [Rod(np.array([ends[k], [0, 0]]), k, 4, sizes, sizes, side=side) for k, side in enumerate(sides)]
+    >>> cross = RodGraph(np.vstack([ends, [0, 0]]), tuple(rods))
+    >>> len(cross.joints), len(apart_by_face(cross).joints), len(apart_by_face(cross).links)
+    (1, 0, 2)
+    """
+    ends = np.array([[rod.start, rod.end] for rod in graph.rods], dtype=np.int64).reshape(-1, 2)
+    is_below = np.array([[rod.side < 0] for rod in graph.rods], dtype=bool).reshape(-1, 1)
+    if is_below.all() or not is_below.any():
+        return graph
+    own, number = np.unique(2 * ends + is_below, return_inverse=True)
+    rods = zip(graph.rods, number.reshape(-1, 2).tolist(), strict=True)
+    return RodGraph(graph.nodes[own // 2], tuple(replace(rod, start=start, end=end) for rod, (start, end) in rods))
 
 
 def close_rods(first: RodGraph, second: RodGraph) -> Iterator[tuple[Rod, Rod, float]]:

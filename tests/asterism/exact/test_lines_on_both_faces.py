@@ -1,0 +1,204 @@
+"""Drawn lines and lines of motifs, each on its face of the fabric: graph, both models, unit cells and prints."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.exact.simulation import exact_shape
+from asterism.homogenize.campaign.design_plan import plan_for_design
+from asterism.homogenize.cell.flat_cell import relax_flat_cell
+from asterism.homogenize.cell.natural_curvature import trace_tubes
+from asterism.homogenize.cell.unit_cell import UnitCell
+from asterism.homogenize.errors import ForeignLaw
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.symmetries import symmetries
+from asterism.pattern.mesh.meshing import mesh_layout
+from asterism.previews.session import Preview, preview
+from asterism.shape.shape import Shape
+from tests.asterism.print.jobs import job
+
+MIRROR = np.array([1.0, 1.0, -1.0])
+OTHER = {"above": "below", "below": "above"}
+SHEET: dict[str, Any] = {"border": {"rectangle_mm": [44.0, 44.0]}, "mesh": {"edge_mm": 4.0}}
+NET = {"kind": "square", "spacing_mm": 10.0}
+
+
+def net(rows: str = "above", columns: str = "below", **more: Any) -> Design:
+    """A square net of drawn lines, four along x and four along y."""
+    draw = [
+        {"name": f"{name} {at:g}", "line_mm": [(at, -20), (at, 20)] if name == "column" else [(-20, at), (20, at)]}
+        | {"side": side}
+        for name, side in (("row", rows), ("column", columns))
+        for at in (-15.0, -5.0, 5.0, 15.0)
+    ]
+    return Design.from_dict({"rods": {"draw": draw, "thickness_mm": 0.4}, **SHEET, **more})
+
+
+def motif(first: str | None = None, second: str | None = "below", **rods: Any) -> Design:
+    """The same net as a motif."""
+    sides = [{} if side is None else {"side": side} for side in (first, second)]
+    lines = [{"line_mm": line} | side for line, side in zip(([(0, 0), (10, 0)], [(0, 0), (0, 10)]), sides, strict=True)]
+    return Design.from_dict({"rods": {"motif": lines, "thickness_mm": 0.4, **rods}, "lattice": NET, **SHEET})
+
+
+def sags(shape: Shape) -> tuple[float, float]:
+    """mm, heights of the middle over the ends of the lines through it, along x and along y."""
+    at = shape.at(np.array([[0.0, 0.0], [18.0, 0.0], [-18.0, 0.0], [0.0, 18.0], [0.0, -18.0]]), 3.0)[:, 2]
+    return float(at[0] - at[1:3].mean()), float(at[0] - at[3:].mean())
+
+
+def test_every_line_curls_away_from_its_own_face() -> None:
+    design = net()
+    plan = layout(design)
+    model = DiscreteModel(design, plan, mesh_layout(plan, 4.0))
+    rods = [plan.graph.rods[k] for k in model.network.rod[model.network.stencil_edges[:, 0]]]
+    rest = model.parts["rod_bending"].params[:, 2]
+    assert all((turn > 0.0) == rod.name.startswith("row") for turn, rod in zip(rest, rods, strict=True))
+    assert {rod.name[:3]: rod.side for rod in plan.graph.rods} == {"row": 1, "col": -1}
+
+
+def test_lines_of_two_faces_share_the_place_and_no_joint() -> None:
+    both, one = layout(net()).graph, layout(net("above", "above")).graph
+    assert len(one.joints) == 16 and len(one.links) == 0
+    assert both.joints == () and len(both.links) == 32 and len(both.nodes) == len(one.nodes) + 16
+    crossing = [node for node, ends in enumerate(both.ends_at) if len(ends) == 2]
+    assert len(np.unique(both.nodes[crossing].round(9), axis=0)) == 16
+    for node in crossing:
+        first, second = both.ends_at[node]
+        assert both.rods[first.rod].name == both.rods[second.rod].name
+
+
+def test_corners_and_branches_of_one_face_are_joints_beside_lines_of_the_other() -> None:
+    lines = [
+        {"line_mm": [(-15, 0), (0, 0), (0, 15)], "side": "below"},
+        {"line_mm": [(-12, -12), (12, 12)]},
+        {"line_mm": [(0, 0), (15, -6)]},
+    ]
+    plan = layout(Design.from_dict({"rods": {"draw": lines}, **SHEET}))
+    (below,) = [node for node in plan.graph.joints if len(plan.graph.ends_at[node]) == 2]
+    (above,) = [node for node in plan.graph.joints if len(plan.graph.ends_at[node]) == 3]
+    assert np.abs(plan.graph.nodes[[above, below]]).max() < 1e-9
+    model = DiscreteModel(Design.from_dict({"rods": {"draw": lines}, **SHEET}), plan, mesh_layout(plan, 4.0))
+    assert model.joints.vertices[0] == model.joints.vertices[1] and len(model.joints.edge) == 5
+
+
+def test_tips_of_stars_on_two_faces_are_not_bonded() -> None:
+    """As for lines: with the middle one of seven stars below, no tip bonds to it."""
+    data: dict[str, Any] = {"lattice": {"orientation_deg": 30}, "border": {"rings": 1}}
+    sheets = [
+        layout(Design.from_dict({**data, "stars": {"length_mm": 10.0, "override": changes}})).graph
+        for changes in ([], [{"star": 0, "side": "below"}])
+    ]
+    met = [sorted(len(graph.ends_at[node]) for node in graph.joints) for graph in sheets]
+    assert met == [[2] * 3 + [3] * 3, [2] * 6] and len(sheets[1].paired) == 7
+
+
+@pytest.mark.slow
+def test_the_exact_shape_bends_both_ways_and_exchanged_faces_mirror_it() -> None:
+    """Rows above curl down along x, columns below curl up along y."""
+    fabric = {"stretch": [1.35, 1.3], "modulus_mpa": 7.2}
+    shape, other = (exact_shape(net(a, OTHER[a], fabric=fabric), edge_mm=4.0) for a in OTHER)
+    along_x, along_y = sags(shape)
+    assert shape.summary.is_minimum and other.summary.is_minimum
+    assert along_x > 1.0 and along_y < -1.0
+    assert other.summary.energy_n_mm == pytest.approx(shape.summary.energy_n_mm, rel=1e-9)
+    np.testing.assert_allclose(other.positions, MIRROR * shape.positions, atol=1e-5)
+    for key in ("curvature_per_mm", "peel_n_per_mm", "shear_n_per_mm"):
+        sign = -1.0 if key == "curvature_per_mm" else 1.0
+        np.testing.assert_allclose(other.rod_fields[key], sign * shape.rod_fields[key], atol=1e-5)
+
+
+@pytest.mark.slow
+def test_the_unit_cell_curls_one_way_along_each_family_by_the_same_amount() -> None:
+    """A quarter turn maps rows above onto columns below in the mirror image of the cell."""
+    cell = UnitCell(motif(), 3.0)
+    assert cell.joint_vertices.tolist() == [0, 0]  # one of each face
+    flat = relax_flat_cell(cell)
+    assert flat.deformation == pytest.approx(flat.deformation[0, 0] * np.eye(2), abs=1e-6)
+    curvature = []
+    for angle in (0.0, 0.5 * np.pi):
+        natural = trace_tubes(cell, flat, angle).natural
+        assert natural is not None
+        curvature.append(natural.curvature)
+    # the tube of the first angle bends around y, along the columns
+    assert curvature[0] < -0.005 and curvature[1] == pytest.approx(-curvature[0], rel=0.02)
+
+
+@pytest.mark.slow
+def test_the_preview_is_a_saddle_near_the_exact_shape_and_exchanged_faces_mirror_it() -> None:
+    shape, other = preview(motif()), preview(motif(second=None, first="below"))
+    along_x, along_y = sags(shape)
+    assert along_x > 1.0 and along_y < -1.0 and shape.summary.is_minimum
+    assert other.summary.energy_n_mm == pytest.approx(shape.summary.energy_n_mm, rel=1e-9)
+    np.testing.assert_allclose(other.positions, MIRROR * shape.positions, atol=1e-6)
+    exact = sags(exact_shape(motif(), edge_mm=2.5))
+    assert [along_x, along_y] == pytest.approx(list(exact), rel=0.15)
+    session = Preview(motif(second=None))
+    np.testing.assert_allclose(session.update(motif()).positions, shape.positions, atol=1e-5)
+
+
+def test_cells_are_those_of_the_first_line_above() -> None:
+    plans = [plan_for_design(each) for each in (motif(), motif("below", "above"), motif("above", None, side="below"))]
+    assert plans[0].design == plans[1].design == plans[2].design
+    lines = plans[0].design.required_rods.motif
+    assert [line.side for line in lines] == [None, "below"]
+    for same in (motif("below", None), motif(None, "above", side="below")):
+        plans[0].check(same)
+    with pytest.raises(ForeignLaw, match=r"^rods\.motif\[1\]\.side = the same face as line 0: .* of the other face"):
+        plans[0].check(motif("below", "below"))
+
+
+def test_symmetries_keep_the_face_of_every_line() -> None:
+    assert [len(symmetries(each, layout(each))) for each in (net("above", "above"), net())] == [8, 4]
+
+
+def test_prints_have_the_lines_below_in_a_file_of_their_own() -> None:
+    volumes = []
+    for design in (net(), net("above", "above")):
+        prints = job(design).prints
+        volumes.append({solid.name: solid.volume_mm3 for solids in prints.values() for solid in solids})
+    assert list(volumes[0]) == ["rods", "border", "rods-below"]
+    # lines that meet on one face share their crossings
+    lines = 4 * 40.0 * 1.2 * 0.4
+    assert volumes[0]["rods"] == pytest.approx(lines, rel=0.05) == volumes[0]["rods-below"]
+    assert volumes[1]["rods"] == pytest.approx(2.0 * lines - 16 * 1.2**2 * 0.4, rel=0.05)
+
+
+def test_a_layer_of_a_drawing_has_a_face(tmp_path: Path) -> None:
+    paths = "".join(f'<g id="{name}"><path d="M{at} 10H50"/></g>' for name, at in (("up", 10), ("down", 20)))
+    paths = paths.replace("M20 10", "M10 20")
+    style = 'style="stroke:black;fill:none"'
+    text = (
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="60mm" height="30mm" viewBox="0 0 60 30" {style}>{paths}</svg>'
+    )
+    (tmp_path / "two.svg").write_text(text, encoding="utf-8")
+    entry = {"file": "two.svg", "layers": {"up": {}, "down": {"side": "below"}}}
+    design = Design.from_dict({"rods": {"import": [entry]}, **SHEET}, tmp_path)
+    assert {rod.name: rod.side for rod in layout(design).graph.rods} == {"up": 1, "down": -1}
+
+
+@pytest.mark.parametrize(
+    ("lines", "words"),
+    [
+        ([{"line_mm": [(0, 0), (9, 0)], "side": "under"}], r"^rods\.draw\[0\]\.side = 'under': .*above.*below"),
+        (
+            [{"name": "a", "line_mm": [(-9, 0), (9, 0)]}, {"name": "b", "line_mm": [(-9, 1), (9, 1)], "side": "below"}],
+            r"^rods: a and b are 1\.00 mm apart at .* and would lie on each other through the fabric \(widths",
+        ),
+        (
+            [{"name": "a", "line_mm": [(-9, 0), (9, 0)]}, {"name": "b", "line_mm": [(0, 0), (9, 2)], "side": "below"}],
+            r"^rods: a and b meet at 13 deg at .*: 20 or more, also on two faces of the fabric",
+        ),
+    ],
+)
+def test_mistakes_are_one_line(lines: list[dict[str, Any]], words: str) -> None:
+    with pytest.raises(DesignError, match=words) as caught:
+        layout(Design.from_dict({"rods": {"draw": lines}, **SHEET}))
+    assert "\n" not in str(caught.value)
