@@ -100,19 +100,32 @@ def test_tips_of_stars_on_two_faces_are_not_bonded() -> None:
     assert met == [[2] * 3 + [3] * 3, [2] * 6] and len(sheets[1].paired) == 7
 
 
-@pytest.mark.slow
 def test_the_exact_shape_bends_both_ways_and_exchanged_faces_mirror_it() -> None:
-    """Rows above curl down along x, columns below curl up along y."""
-    fabric = {"stretch": [1.35, 1.3], "modulus_mpa": 7.2}
-    shape, other = (exact_shape(net(a, OTHER[a], fabric=fabric), edge_mm=4.0) for a in OTHER)
-    along_x, along_y = sags(shape)
+    """A narrow strip: its left half curls down, its right half up."""
+
+    def strip(left: str, right: str) -> Design:
+        lines = [
+            {"line_mm": [(-28, 0), (-3, 0)], "side": left},
+            {"line_mm": [(3, 0), (28, 0)], "side": right},
+        ]
+        sizes = {"thickness_mm": 0.6, "width_mm": 2.4}
+        sheet: dict[str, Any] = {"border": {"rectangle_mm": [64.0, 4.0]}, "fabric": {"modulus_mpa": 7.2}}
+        return Design.from_dict({"rods": {"draw": lines, **sizes}, **sheet})
+
+    def sag(shape: Shape, ends: tuple[float, float]) -> float:
+        """mm, of the middle of a line over its chord."""
+        first, middle, last = shape.at(np.array([[ends[0], 0.0], [sum(ends) / 2, 0.0], [ends[1], 0.0]]), 3.0)
+        (x, _, z), chord = last - first, middle - first
+        return float((x * chord[2] - z * chord[0]) / np.hypot(x, z))
+
+    shape, other = (exact_shape(strip(a, OTHER[a]), edge_mm=2.0) for a in OTHER)
     assert shape.summary.is_minimum and other.summary.is_minimum
-    assert along_x > 1.0 and along_y < -1.0
+    left, right = sag(shape, (-27.0, -4.0)), sag(shape, (4.0, 27.0))
+    assert left > 0.2 and right == pytest.approx(-left, rel=1e-6)
     assert other.summary.energy_n_mm == pytest.approx(shape.summary.energy_n_mm, rel=1e-9)
     np.testing.assert_allclose(other.positions, MIRROR * shape.positions, atol=1e-5)
-    for key in ("curvature_per_mm", "peel_n_per_mm", "shear_n_per_mm"):
-        sign = -1.0 if key == "curvature_per_mm" else 1.0
-        np.testing.assert_allclose(other.rod_fields[key], sign * shape.rod_fields[key], atol=1e-5)
+    for key in ("curvature_per_mm", "peel_n_per_mm", "shear_n_per_mm"):  # as seen from the face of each line
+        np.testing.assert_allclose(other.rod_fields[key], shape.rod_fields[key], atol=1e-5)
 
 
 @pytest.mark.slow
@@ -132,14 +145,12 @@ def test_the_unit_cell_curls_one_way_along_each_family_by_the_same_amount() -> N
 
 
 @pytest.mark.slow
-def test_the_preview_is_a_saddle_near_the_exact_shape_and_exchanged_faces_mirror_it() -> None:
+def test_the_preview_is_a_saddle_and_exchanged_faces_mirror_it() -> None:
     shape, other = preview(motif()), preview(motif(second=None, first="below"))
     along_x, along_y = sags(shape)
     assert along_x > 1.0 and along_y < -1.0 and shape.summary.is_minimum
     assert other.summary.energy_n_mm == pytest.approx(shape.summary.energy_n_mm, rel=1e-9)
     np.testing.assert_allclose(other.positions, MIRROR * shape.positions, atol=1e-6)
-    exact = sags(exact_shape(motif(), edge_mm=2.5))
-    assert [along_x, along_y] == pytest.approx(list(exact), rel=0.15)
     session = Preview(motif(second=None))
     np.testing.assert_allclose(session.update(motif()).positions, shape.positions, atol=1e-5)
 
