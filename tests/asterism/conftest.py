@@ -31,6 +31,13 @@ def cli(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> 
     return lambda words: command(words, capsys, monkeypatch)
 
 
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The test's folder, where its commands run."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
 @pytest.fixture(autouse=True)
 def rough_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
     """Pixels are not the mean of four: pictures take a third of the time. A file whose tests need them fine says so."""

@@ -2,6 +2,8 @@
 
 import numpy as np
 import pytest
+from scipy.interpolate import BSpline
+from scipy.optimize import least_squares
 
 from asterism.fem.elements.argyris import Argyris
 from asterism.fem.search.relax import follow
@@ -10,8 +12,42 @@ from asterism.fem.shell.density import Density
 from asterism.fem.shell.fields import Fields
 from asterism.fem.shell.shell import Shell
 from tests.fem.meshes import graded
-from tests.validation.rolled import turn
 from tests.validation.shells import material, rate
+
+DEGREE = 5
+
+
+def turn(thickness: float, poisson: float, curvature: float, width: float, spans: int = 24) -> float:
+    """Turn per length of an endless free sheet with an isotropic rest curvature; its modulus does not matter."""
+    breaks = 0.5 * width * (1.0 - (1.0 - np.linspace(0.0, 1.0, spans + 1)) ** 2)
+    knots = np.r_[[breaks[0]] * DEGREE, breaks, [breaks[-1]] * DEGREE]
+    count = len(knots) - DEGREE - 1
+    spline = BSpline(knots, np.eye(count), DEGREE)
+    roots, shares = np.polynomial.legendre.leggauss(7)
+    y = (breaks[:-1, None] + 0.5 * np.diff(breaks)[:, None] * (roots + 1.0)).ravel()
+    weight = np.sqrt(0.5 * np.diff(breaks)[:, None] * shares).ravel()
+    zeroth, first, second = spline(y), spline.derivative(1)(y), spline.derivative(2)(y)
+    middle = spline.derivative(1)(0.0), spline(0.0)
+    law = np.linalg.cholesky(np.array([[1.0, poisson], [poisson, 1.0]])).T
+
+    def residuals(q: np.ndarray) -> np.ndarray:
+        w, r, z = q[0], q[1 : count + 1], q[count + 1 :]
+        radius, r1, r2, z1, z2 = zeroth @ r, first @ r, second @ r, first @ z, second @ z
+        length = np.hypot(r1, z1)
+        strain = 0.5 * np.stack([(w * radius) ** 2 - 1.0, length**2 - 1.0])
+        bend = np.stack([w**2 * radius * z1, z2 * r1 - r2 * z1]) / length - curvature
+        # symmetric about its middle, which stays where it is
+        held = [middle[0] @ r, middle[1] @ z]
+        return np.concatenate(
+            [(weight * (law @ strain)).ravel(), thickness / np.sqrt(12) * (weight * (law @ bend)).ravel(), held]
+        )
+
+    start = curvature * (1.0 + poisson)
+    greville = np.array([knots[i + 1 : i + DEGREE + 1].mean() for i in range(count)])
+    q = np.r_[start, np.full(count, 1.0 / start), greville]
+    found = least_squares(residuals, q, xtol=1e-14, ftol=1e-14, gtol=1e-14)
+    return float(found.x[0])
+
 
 CURVATURE, POISSON = 1.5, 0.3
 ROLLED = CURVATURE * (1.0 + POISSON)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.asterism.commands import command
+from tests.asterism.commands import Cli
 
 pytestmark = pytest.mark.usefixtures("blank_pictures")
 ROLLED = """
@@ -32,8 +32,8 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.slow
-def test_a_sheet_that_passes_through_itself_is_told(folder: Path, capsys, monkeypatch) -> None:
-    result = command(["simulate", "d.toml", "--starts", "1"], capsys, monkeypatch)
+def test_a_sheet_that_passes_through_itself_is_told(folder: Path, cli: Cli) -> None:
+    result = cli(["simulate", "d.toml", "--starts", "1"])
     assert result.status == 0, result.err
     assert "passes through itself" in result.err and "--contact" in result.err
     summary = json.loads((folder / "d" / "summary.json").read_text())
@@ -41,9 +41,9 @@ def test_a_sheet_that_passes_through_itself_is_told(folder: Path, capsys, monkey
 
 
 @pytest.mark.slow
-def test_contact_keeps_it_apart(folder: Path, capsys, monkeypatch) -> None:
+def test_contact_keeps_it_apart(folder: Path, cli: Cli) -> None:
     pytest.importorskip("ipctk")
-    result = command(["simulate", "d.toml", "--contact"], capsys, monkeypatch)
+    result = cli(["simulate", "d.toml", "--contact"])
     assert result.status == 0, result.err
     assert "passes through itself" not in result.err
     summary = json.loads((folder / "d" / "summary.json").read_text())
@@ -53,18 +53,18 @@ def test_contact_keeps_it_apart(folder: Path, capsys, monkeypatch) -> None:
     assert contact["pairs"] > 0 and summary["energy_parts_n_mm"]["contact"] > 0.0
 
 
-def test_without_the_package_a_design_with_contact_is_one_line(folder: Path, capsys, monkeypatch) -> None:
+def test_without_the_package_a_design_with_contact_is_one_line(folder: Path, monkeypatch, cli: Cli) -> None:
     monkeypatch.setitem(sys.modules, "ipctk", None)
     (folder / "d.toml").write_text(ROLLED + "[solver]\ncontact = true\n")
-    refused = command(["simulate", "d.toml"], capsys, monkeypatch)
+    refused = cli(["simulate", "d.toml"])
     assert refused.status == 2
     assert refused.err == "asterism: d.toml: solver.contact: needs the package ipctk: pip install ipctk\n"
     assert [file.name for file in folder.iterdir()] == ["d.toml"]
 
 
 @pytest.mark.slow
-def test_no_contact_overrides_the_design(folder: Path, capsys, monkeypatch) -> None:
+def test_no_contact_overrides_the_design(folder: Path, monkeypatch, cli: Cli) -> None:
     monkeypatch.setitem(sys.modules, "ipctk", None)
     (folder / "d.toml").write_text(ROLLED.replace("rings = 2", "rings = 0") + "[solver]\ncontact = true\n")
-    result = command(["simulate", "d.toml", "--no-contact"], capsys, monkeypatch)
+    result = cli(["simulate", "d.toml", "--no-contact"])
     assert result.status == 0, result.err

@@ -13,25 +13,25 @@ from pathlib import Path
 
 import pytest
 
-from tests.asterism.commands import command
+from tests.asterism.commands import Cli
 
 PATIENCE_S = 60
 
 
-def test_mistakes_are_one_line(tmp_path: Path, capsys, monkeypatch):
-    monkeypatch.chdir(tmp_path)
+@pytest.mark.usefixtures("here")
+def test_mistakes_are_one_line(cli: Cli):
     for words, named in (
         (["--folder", "nothing"], "nothing"),
         (["--port", "70000"], "--port"),
         (["--patience", "0"], "--patience"),
     ):
-        refused = command(["hops", *words], capsys, monkeypatch)
+        refused = cli(["hops", *words])
         assert refused.status == 2 and named in refused.line
     with socket.socket() as other:
         other.bind(("127.0.0.1", 0))
         other.listen()
         port = other.getsockname()[1]
-        refused = command(["hops", "--port", str(port)], capsys, monkeypatch)
+        refused = cli(["hops", "--port", str(port)])
     assert refused.status == 2 and str(port) in refused.line and "in use" in refused.line
 
 

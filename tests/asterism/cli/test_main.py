@@ -1,4 +1,4 @@
-"""The command line as a user meets it: exit status, one line for a mistake, nothing half-written."""
+"""The command line as a user meets it: exit status, one line for a mistake, what it costs, nothing half-written."""
 
 from __future__ import annotations
 
@@ -10,9 +10,11 @@ import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from tests.asterism.commands import SIGN_OF_LIFE, command
+from asterism.results.files import SUMMARY_FILE
+from tests.asterism.commands import SIGN_OF_LIFE, Cli
 
 SMALL = """
 [stars]
@@ -24,6 +26,13 @@ rings = 0
 [mesh]
 edge_mm = 4.0
 """
+
+
+@pytest.fixture
+def folder(here: Path) -> Path:
+    """Where the commands run, with a small design."""
+    (here / "d.toml").write_text(SMALL)
+    return here
 
 
 def run(*words: str, cwd: Path) -> subprocess.CompletedProcess[str]:
@@ -42,67 +51,55 @@ def mistake(result: subprocess.CompletedProcess[str]) -> str:
 
 
 @pytest.mark.slow
-def test_new_lists_and_writes(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    assert "tube" in run("new", cwd=tmp_path).stdout.split()
-    drawn = command(["new", "leaf"], capsys, monkeypatch)
+def test_new_lists_and_writes(here: Path, cli: Cli) -> None:
+    assert "tube" in run("new", cwd=here).stdout.split()
+    drawn = cli(["new", "leaf"])
     assert drawn.status == 0 and "asterism simulate leaf.toml" in drawn.out and "preview" not in drawn.out
-    repeating = command(["new", "skew-grid"], capsys, monkeypatch)
+    repeating = cli(["new", "skew-grid"])
     assert repeating.status == 0 and "asterism preview skew-grid.toml" in repeating.out
-    assert command(["new", "tube"], capsys, monkeypatch).status == 0
-    assert command(["new", "tube"], capsys, monkeypatch).status == 0  # nothing is lost by writing the same again
-    assert command(["new", "tube", "-o", "missing/folder/tube.toml"], capsys, monkeypatch).status == 0
-    assert (tmp_path / "missing" / "folder" / "tube.toml").read_bytes() == (tmp_path / "tube.toml").read_bytes()
-    (tmp_path / "tube.toml").write_text("mine")
-    assert "exists" in mistake(run("new", "tube", cwd=tmp_path))
-    assert (tmp_path / "tube.toml").read_text() == "mine"
+    assert cli(["new", "tube"]).status == 0
+    assert cli(["new", "tube"]).status == 0  # nothing is lost by writing the same again
+    assert cli(["new", "tube", "-o", "missing/folder/tube.toml"]).status == 0
+    assert (here / "missing" / "folder" / "tube.toml").read_bytes() == (here / "tube.toml").read_bytes()
+    (here / "tube.toml").write_text("mine")
+    assert "exists" in mistake(run("new", "tube", cwd=here))
+    assert (here / "tube.toml").read_text() == "mine"
     for words, expected in ((["spaceship", "-o", "x.toml"], "gallery"), (["tube", "-o", "x.png"], ".toml")):
-        refused = command(["new", *words], capsys, monkeypatch)
+        refused = cli(["new", *words])
         assert refused.status == 2 and expected in refused.line
 
 
 @pytest.mark.slow
-def test_simulate_writes_results_and_a_table(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "d.toml").write_text(SMALL)
-    result = command(["simulate", "d.toml", "-o", "out"], capsys, monkeypatch)
+def test_simulate_writes_results_and_a_table(folder: Path, cli: Cli) -> None:
+    result = cli(["simulate", "d.toml", "-o", "out"])
     assert result.status == 0, result.err
     assert "stable" in result.out and "released" in result.err
-    files = sorted(file.name for file in (tmp_path / "out").iterdir())
+    files = sorted(file.name for file in (folder / "out").iterdir())
     assert files == ["rods.vtu", "shape.obj", "shape.png", "shape.vtu", "summary.json"]
-    assert json.loads((tmp_path / "out" / "summary.json").read_text())["is_minimum"]
+    assert json.loads((folder / "out" / "summary.json").read_text())["is_minimum"]
     assert "asks for" not in result.err
 
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("blank_pictures")
 @pytest.mark.parametrize("name", ["preview", "simulate", "verify"])
-def test_a_quiet_command_prints_its_result_and_no_progress(
-    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "d.toml").write_text(SMALL)
-    done = command([name, str(tmp_path / "d.toml"), "--quiet"], capsys, monkeypatch)
+def test_a_quiet_command_prints_its_result_and_no_progress(name: str, folder: Path, cli: Cli) -> None:
+    done = cli([name, "d.toml", "--quiet"])
     assert done.status == 0 and "height" in done.out
     assert all(line.startswith("asterism: ") for line in done.err.splitlines())
 
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("blank_pictures")
-def test_stars_that_do_not_stay_where_they_were_sent_are_named(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_stars_that_do_not_stay_where_they_were_sent_are_named(tmp_path: Path, cli: Cli) -> None:
     """This star starts down, and cannot stay there."""
     (tmp_path / "d.toml").write_text(SMALL.replace("10.0", "5.0\nbranch = 'down'"))
-    done = command(["simulate", str(tmp_path / "d.toml")], capsys, monkeypatch)
+    done = cli(["simulate", str(tmp_path / "d.toml")])
     assert done.status == 0 and "1 of 1 up" in done.out
     assert done.err.endswith("1 of 1 stars of the exact shape are not on the side that the design asks for: star 0\n")
     # on a fabric that was not stretched stars stay flat, and are on no side
     (tmp_path / "f.toml").write_text("[fabric]\nstretch = 1.0\n" + SMALL)
-    done = command(["simulate", str(tmp_path / "f.toml")], capsys, monkeypatch)
+    done = cli(["simulate", str(tmp_path / "f.toml")])
     assert done.status == 0 and "asks for" not in done.err
 
 
@@ -123,14 +120,10 @@ def test_stars_that_do_not_stay_where_they_were_sent_are_named(
         (["law"], "law: needs a command: show or forget"),
     ],
 )
-def test_mistakes_are_one_line(
-    words: list[str], expected: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "d.toml").write_text(SMALL)
-    refused = command(words, capsys, monkeypatch)
+def test_mistakes_are_one_line(words: list[str], expected: str, folder: Path, cli: Cli) -> None:
+    refused = cli(words)
     assert refused.status == 2 and expected in refused.line
-    assert [file.name for file in tmp_path.iterdir()] == ["d.toml"]
+    assert [file.name for file in folder.iterdir()] == ["d.toml"]
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no named pipes")
@@ -147,38 +140,27 @@ def test_mistakes_are_one_line(
         ["compare", "pipe.vtu", "pipe.obj"],
     ],
 )
-def test_a_pipe_is_refused_at_once(
-    words: list[str], tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_pipe_is_refused_at_once(words: list[str], folder: Path, cli: Cli) -> None:
     """To read it would wait until somebody writes into it."""
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "d.toml").write_text(SMALL)
     for name in ("pipe.toml", "pipe.npz", "pipe.csv", "pipe.vtu", "pipe.obj"):
-        os.mkfifo(tmp_path / name)
-    refused = command(words, capsys, monkeypatch)
+        os.mkfifo(folder / name)
+    refused = cli(words)
     assert refused.status == 2 and "pipe." in refused.line
-    assert len(list(tmp_path.iterdir())) == 6
+    assert len(list(folder.iterdir())) == 6
 
 
-def test_a_link_to_nothing_is_refused_before_anything_is_computed(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "d.toml").write_text(SMALL)
-    (tmp_path / "link").symlink_to("nowhere")
-    refused = command(["preview", "d.toml", "-o", "link"], capsys, monkeypatch)
+def test_a_link_to_nothing_is_refused_before_anything_is_computed(folder: Path, cli: Cli) -> None:
+    (folder / "link").symlink_to("nowhere")
+    refused = cli(["preview", "d.toml", "-o", "link"])
     assert refused.status == 2 and refused.line == "asterism: cannot write link: a file is in the way"
 
 
 @pytest.mark.parametrize("name", ["preview", "simulate", "verify", "report"])
-def test_a_sheet_that_would_fall_is_named_by_its_file(
-    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "d.toml").write_text(SMALL + "\n[gravity]\non = true\n[fabric]\nmodulus_mpa = 7.0\n")
-    refused = command([name, "d.toml"], capsys, monkeypatch)
+def test_a_sheet_that_would_fall_is_named_by_its_file(name: str, here: Path, cli: Cli) -> None:
+    (here / "d.toml").write_text(SMALL + "\n[gravity]\non = true\n[fabric]\nmodulus_mpa = 7.0\n")
+    refused = cli([name, "d.toml"])
     assert refused.status == 2 and "d.toml: gravity.on = True: needs [[pins]]" in refused.line
-    assert [file.name for file in tmp_path.iterdir()] == ["d.toml"]
+    assert [file.name for file in here.iterdir()] == ["d.toml"]
 
 
 @pytest.mark.slow
@@ -190,7 +172,7 @@ def test_a_mistake_in_a_design_is_all_that_a_program_prints(tmp_path: Path) -> N
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("number", [signal.SIGINT, pytest.param(signal.SIGTERM, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_interrupt_leaves_nothing(number: int, tmp_path: Path) -> None:
     (tmp_path / "d.toml").write_text(SMALL.replace("rings = 0", "rings = 3").replace("4.0", "1.5"))
     words = [sys.executable, "-m", "asterism", "simulate", "d.toml", "-o", "out"]
@@ -256,39 +238,100 @@ def test_what_cannot_be_printed_is_said_in_one_line(tmp_path: Path) -> None:
     assert json.loads((tmp_path / "out" / "summary.json").read_text())["is_minimum"]  # and results stay
 
 
-def test_names_that_are_too_long_are_one_line(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "d.toml").write_text(SMALL)
+def test_names_that_are_too_long_are_one_line(folder: Path, cli: Cli) -> None:
     name = 300 * "x"
     commands = [[word, "d.toml", "-o", name] for word in ("simulate", "preview", "verify", "export")]
     commands += [["new", "dome", "-o", f"{name}.toml"], ["report", "d.toml", "-o", f"{name}.pdf"]]
     commands += [["calibrate", "d.toml", "-o", f"{name}.npz"], ["simulate", f"{name}.toml"]]
     for words in commands:
-        refused = command(words, capsys, monkeypatch)
+        refused = cli(words)
         assert refused.status == 2 and name in refused.line and "too long" in refused.line
-    assert [file.name for file in tmp_path.iterdir()] == ["d.toml"]
+    assert [file.name for file in folder.iterdir()] == ["d.toml"]
 
 
-def test_an_empty_output_is_not_the_working_directory(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "d.toml").write_text(SMALL)
+def test_an_empty_output_is_not_the_working_directory(folder: Path, cli: Cli) -> None:
     with_design = ("simulate", "preview", "verify", "export", "report", "calibrate")
     for words in [*([word, "d.toml"] for word in with_design), ["new", "dome"], ["law", "show"], ["strips", "new"]]:
-        refused = command([*words, "-o", ""], capsys, monkeypatch)
+        refused = cli([*words, "-o", ""])
         assert refused.status == 2 and "--output" in refused.line and "must not be empty" in refused.line
-    assert [file.name for file in tmp_path.iterdir()] == ["d.toml"]
+    assert [file.name for file in folder.iterdir()] == ["d.toml"]
+
+
+VARY = ["--vary", "stars.thickness_mm=0.3,0.4"]
+FIT = ["fit", "t.npy", "--extent-mm", "120", "-o"]
+# a command, a folder or a file in the way of its results, and the function that computes them
+CASES = [
+    (["preview", "d.toml"], f"d/{SUMMARY_FILE}/", "previews.session.preview"),
+    (["simulate", "d.toml"], "d/minimum-2.png/", "verification.both_starts.simulate"),
+    (["verify", "d.toml"], "d-verified/exact.obj/", "verification.run.verify"),
+    (["export", "d.toml"], "d-print/layout.pdf/", "print.export.export"),
+    (["export", "d.toml", "--simulate"], "d-print/rods.vtu/", "print.export.export"),
+    (["report", "d.toml"], "d-report.pdf/", "reports.design_report.prepare"),
+    (["sweep", "d.toml", *VARY], "d-sweep/sweep.html/", "sweeps.sweep.sweep_design"),
+    (["sweep", "d.toml", *VARY], "d-sweep/designs", "sweeps.sweep.sweep_design"),
+    (["compare", "d", "scan.obj"], "scan-compared/compare.png/", "measure.compare.compare.compare"),
+    (["compare-designs", "d.toml", "d.toml", "-o", "p.html"], "p.html/", "reports.compare_designs.prepare"),
+    ([*FIT, "f.toml"], "f.toml/", "fitting.load_target.load_target"),
+    ([*FIT, "f.toml"], "f-fit/target.obj/", "fitting.load_target.load_target"),
+    (["law", "show"], "paper-law/law.png/", "laws.law_picture.draw_law"),
+    (["calibrate", "d.toml"], "d-law.npz/", "laws.calibrate.run_campaign"),
+    (["picture", "d", "-o", "p"], "p/d-oblique.png/", "shape.vtu.read_shape"),
+]
+
+
+@pytest.mark.parametrize(("words", "obstacle", "computation"), CASES, ids=lambda value: str(value))
+def test_an_obstacle_is_named_before_anything_is_computed(
+    words: list[str], obstacle: str, computation: str, folder: Path, monkeypatch: pytest.MonkeyPatch, cli: Cli
+) -> None:
+    (folder / "scan.obj").write_text("v 0 0 0\n")
+    np.save(folder / "t.npy", np.zeros((4, 4)))
+    path = folder / obstacle
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.mkdir() if obstacle.endswith("/") else path.write_text("mine")
+    before = sorted(folder.rglob("*"))
+
+    def compute(*arguments: object, **options: object) -> None:
+        raise AssertionError("it computes")
+
+    monkeypatch.setattr(f"asterism.{computation}", compute)
+    refused = cli(words)
+    kind = "folder" if obstacle.endswith("/") else "file"
+    assert refused.status == 2
+    assert refused.line == f"asterism: cannot write {obstacle.rstrip('/')}: a {kind} is in the way"
+    assert sorted(folder.rglob("*")) == before
+
+
+@pytest.mark.slow
+def test_a_folder_with_the_name_of_a_shape_does_not_matter_to_an_export_without_one(folder: Path, cli: Cli) -> None:
+    (folder / "d-print" / "shape.vtu").mkdir(parents=True)
+    assert cli(["export", "d.toml"]).status == 0
+    assert (folder / "d-print" / "export.json").is_file()
+
+
+LARGE = SMALL.replace("rings = 0", "rings = 8").replace("4.0", "0.5")
+
+
+@pytest.mark.parametrize("words", [["simulate", "d.toml"], ["verify", "d.toml"], ["export", "d.toml", "--simulate"]])
+def test_a_large_computation_needs_consent(words: list[str], here: Path, cli: Cli) -> None:
+    (here / "d.toml").write_text(LARGE)
+    refused = cli(words)
+    assert refused.status == 2
+    assert "takes about 2829" in refused.line and "use --yes to compute it, or a larger mesh.edge_mm" in refused.line
+    assert [file.name for file in here.iterdir()] == ["d.toml"]
 
 
 @pytest.mark.usefixtures("blank_pictures")
-def test_no_equilibrium_is_status_one(tmp_path: Path, capsys, monkeypatch: pytest.MonkeyPatch) -> None:
-    """A state that is not converged is written, said to be none, and ends with status 1."""
-    monkeypatch.setattr("asterism.discrete.release.continuation.MAX_ITERATIONS", 1)
-    (tmp_path / "d.toml").write_text(SMALL)
-    stopped = command(["simulate", str(tmp_path / "d.toml"), "-o", str(tmp_path / "out")], capsys, monkeypatch)
-    assert stopped.status == 1
-    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
-    assert not summary["converged"] and not summary["is_minimum"]
+def test_a_search_beyond_its_budget_ends_with_its_state_and_status_1(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, cli: Cli
+) -> None:
+    monkeypatch.setattr("asterism.discrete.release.continuation.MAX_RELEASE_ITERATIONS", 12)
+    done = cli(["simulate", "d.toml", "--starts", "1"])
+    assert done.status == 1 and "not an equilibrium: gradient" in done.err
+    assert "about 42 vertices, 0.2 GB, 2 s" in done.err
+    summary = json.loads((folder / "d" / "summary.json").read_text())
+    assert (
+        summary["iterations"] == 12
+        and not summary["converged"]
+        and not summary["is_minimum"]
+        and summary["gradient_norm"] > 0
+    )

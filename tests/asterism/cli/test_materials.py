@@ -11,7 +11,7 @@ import pytest
 from asterism.homogenize.law.law_file import law_bytes
 from asterism.pattern.design import files as user_files
 from asterism.pattern.layout.build import load_design
-from tests.asterism.commands import command
+from tests.asterism.commands import Cli
 from tests.asterism.previews.laws import plain_law
 
 DESIGN = "[stars]\nlength_mm = 8.0\n[border]\nrings = 1\n"
@@ -27,26 +27,24 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.slow
-def test_strips_fit_keeps_a_material_that_commands_take_by_name(
-    home: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_strips_fit_keeps_a_material_that_commands_take_by_name(home: Path, cli: Cli) -> None:
     rows = ["strip,thickness_mm,length_mm,curvature_per_mm,peeled_curvature_per_mm"]
     rows += ["1,0.3,60,0.0302,0.003", "2,0.3,60,0.0298,0.0031", "3,0.4,60,0.0170,0.0029", "4,0.4,60,0.0174,0.003"]
     (home / "strips.csv").write_text("\n".join(rows))
     words = ["strips", "fit", "strips.csv", "--stretch", "1.35", "--fabric-thickness", "0.8", "--save"]
-    done = command([*words, "jersey"], capsys, monkeypatch)
+    done = cli([*words, "jersey"])
     assert done.status == 0, done.err
     file = home / "home" / "materials" / "jersey.toml"
     table = tomllib.loads(file.read_text(encoding="utf-8"))
     assert table["measured"]["source"] == "strips.csv: 8 readings of strips" and len(table["measured"]["date"]) == 10
-    listed = command(["materials"], capsys, monkeypatch)
+    listed = cli(["materials"])
     assert listed.status == 0
     line = next(line for line in listed.out.splitlines() if line.split()[0] == "jersey")
     assert "strips.csv" in line and table["measured"]["date"] in line and "fabric 0.8 mm, at stretch 1.35" in line
     assert any(line.split()[0] == "paper" for line in listed.out.splitlines())
     # by the option, and in the design
     ratio = table["plastic"]["modulus_ratio"]
-    exported = command(["export", "d.toml", "-o", "out", "--material", "jersey"], capsys, monkeypatch)
+    exported = cli(["export", "d.toml", "-o", "out", "--material", "jersey"])
     assert exported.status == 0, exported.err
     assert json.loads((home / "out" / "export.json").read_text())["design"]["plastic"]["modulus_ratio"] == ratio
     (home / "own.toml").write_text(f'{DESIGN}[material]\nfile = "jersey"\n')
@@ -54,34 +52,32 @@ def test_strips_fit_keeps_a_material_that_commands_take_by_name(
     # the file of a user is not written over
     file.write_text(file.read_text(encoding="utf-8").split("\n", 1)[1], encoding="utf-8")
     for name, said in (("jersey", "was not written by asterism strips fit"), ("a b", "--save"), ("paper", "--save")):
-        refused = command([*words, name], capsys, monkeypatch)
+        refused = cli([*words, name])
         assert refused.status == 2 and said in refused.line
 
 
-def test_a_wrong_file_is_named_and_does_not_hide_the_others(
-    home: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_wrong_file_is_named_and_does_not_hide_the_others(home: Path, cli: Cli) -> None:
     (home / "home" / "materials").mkdir(parents=True)
     (home / "home" / "materials" / "wrong.toml").write_text("[plastic]\nmodulus_ratio = -1.0\n")
-    done = command(["materials"], capsys, monkeypatch)
+    done = cli(["materials"])
     assert done.status == 2 and "wrong.toml: plastic.modulus_ratio" in done.err and "paper" in done.out
-    refused = command(["preview", "d.toml", "--material", "wool"], capsys, monkeypatch)
+    refused = cli(["preview", "d.toml", "--material", "wool"])
     assert refused.status == 2 and "--material = 'wool'" in refused.line and "paper" in refused.line
 
 
 @pytest.mark.usefixtures("blank_pictures")
 def test_the_law_of_a_design_is_used_by_commands_and_in_python(
-    home: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    home: Path, monkeypatch: pytest.MonkeyPatch, cli: Cli
 ) -> None:
     (home / "plain.npz").write_bytes(law_bytes(plain_law()))
     (home / "own.toml").write_text(f'{DESIGN}[material]\nlaw = "plain.npz"\n')
     monkeypatch.chdir(home / "home" if (home / "home").exists() else home)
-    done = command(["preview", str(home / "own.toml")], capsys, monkeypatch)
+    done = cli(["preview", str(home / "own.toml")])
     assert done.status == 0, done.err
     assert json.loads((home / "own" / "summary.json").read_text())["law"]["material"] == "plain"
     from asterism.previews.session import preview
 
     assert preview(load_design(home / "own.toml")).summary.law.material == "plain"
     (home / "own.toml").write_text(f'{DESIGN}[material]\nlaw = "none.npz"\n')
-    refused = command(["preview", str(home / "own.toml")], capsys, monkeypatch)
+    refused = cli(["preview", str(home / "own.toml")])
     assert refused.status == 2 and "none.npz" in refused.line

@@ -1,4 +1,4 @@
-"""The skeleton of a command: signs of life from its first second to its last, none while it asks; names of files."""
+"""The skeleton of a command: signs of life from its first second to its last, progress, names of files."""
 
 from __future__ import annotations
 
@@ -9,13 +9,14 @@ from pathlib import Path
 
 import pytest
 
-from asterism.cli.run import Run, command, with_design_file
+from asterism.cli.run import Progress, Run, command, with_design_file
 from asterism.equilibrium.errors import Error
+from asterism.equilibrium.newton.minimise import Iteration
 from asterism.exact.cost import Cost
 from asterism.homogenize.errors import ForeignLaw, LawError
 from asterism.pattern.design.errors import DesignError
 from asterism.process import progress_line
-from tests.asterism.commands import command as run_asterism
+from tests.asterism.commands import Cli
 
 SIGN = "still computing"
 
@@ -101,14 +102,42 @@ def test_the_file_stands_before_fields_of_the_design(error: Error, message: str)
 
 
 @pytest.mark.parametrize("words", [["preview"], ["verify"], ["export", "--preview"]])
-def test_drawings_without_a_preview_are_refused_with_their_file(
-    words: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_drawings_without_a_preview_are_refused_with_their_file(words: list[str], here: Path, cli: Cli) -> None:
     FILE.write_text(DRAWN)
-    refused = run_asterism([*words, str(FILE), "-q"], capsys, monkeypatch)
-    assert refused.status == 2 and list(tmp_path.iterdir()) == [tmp_path / FILE]
+    refused = cli([*words, str(FILE), "-q"])
+    assert refused.status == 2 and list(here.iterdir()) == [here / FILE]
     assert refused.err.splitlines()[-1] == (
         "asterism: leaf.toml: rods.motif: is missing: lines that do not repeat have no law; use the exact model: "
         "asterism simulate"
     )
+
+
+class Terminal(io.StringIO):
+    """A stream that says it is one."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+def seen(stream: io.StringIO, iterations: int = 3) -> str:
+    progress = Progress(stream)
+    for number in range(iterations):
+        progress.report("58381 vertices, 100 %", Iteration(number, 123456.789, 1.2e-3, 0.0, 1.0))
+    progress.close()
+    return stream.getvalue()
+
+
+@pytest.mark.parametrize(("columns", "gradient"), [(140, True), (80, False), (40, False)])
+def test_the_line_on_a_terminal_never_wraps(columns: int, gradient: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Only the last row of a line that wraps could be written over."""
+    monkeypatch.setenv("COLUMNS", str(columns))
+    lines = seen(Terminal()).rstrip("\n").split("\r\x1b[K")[1:]
+    assert len(lines) == 3 and all(len(line) < columns for line in lines)
+    assert all(("gradient" in line) is gradient and "58381 vertices, 100 %" in line for line in lines)
+    assert all(line.endswith(" s") for line in lines)
+
+
+def test_elsewhere_a_stage_is_one_whole_line(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    text = seen(io.StringIO())
+    assert text.count("\n") == 1 and "gradient 1.2e-03 N" in text and "released" in text

@@ -19,7 +19,7 @@ from websockets.sync.client import ClientConnection, connect
 
 from asterism.pattern import gallery
 from asterism.studio.requests import MAX_REQUEST_BYTES
-from tests.asterism.commands import command
+from tests.asterism.commands import Cli
 
 PATIENCE_S = 60
 
@@ -44,18 +44,18 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         (["dome.toml", "--port", "70000"], "--port"),
     ],
 )
-def test_mistakes_are_one_line(folder: Path, words: list[str], named: str, capsys, monkeypatch):
+def test_mistakes_are_one_line(folder: Path, words: list[str], named: str, cli: Cli):
     (folder / "bad.toml").write_text("[stars]\nlength_mm = -1\n[border]\nrings = 1\n", encoding="utf-8")
-    refused = command(["studio", "--no-browser", *words], capsys, monkeypatch)
+    refused = cli(["studio", "--no-browser", *words])
     assert refused.status == 2 and named in refused.line
 
 
-def test_a_port_in_use_is_one_line(folder: Path, capsys, monkeypatch):
+def test_a_port_in_use_is_one_line(folder: Path, cli: Cli):
     with socket.socket() as other:
         other.bind(("127.0.0.1", 0))
         other.listen()
         port = other.getsockname()[1]
-        refused = command(["studio", "dome.toml", "--no-browser", "--port", str(port)], capsys, monkeypatch)
+        refused = cli(["studio", "dome.toml", "--no-browser", "--port", str(port)])
     assert refused.status == 2 and str(port) in refused.line and "in use" in refused.line
 
 

@@ -8,8 +8,7 @@ from pathlib import Path
 import pytest
 
 from asterism.homogenize.law.law_file import law_bytes
-from tests.asterism.cli.test_main import run
-from tests.asterism.commands import command
+from tests.asterism.commands import Cli
 from tests.asterism.previews.laws import plain_law
 
 SEVEN = """
@@ -23,37 +22,34 @@ edge_mm = 3.5
 
 
 @pytest.mark.slow
-def test_verify_writes_a_report_and_a_table(tmp_path: Path) -> None:
-    (tmp_path / "d.toml").write_text(SEVEN)
-    (tmp_path / "law.npz").write_bytes(law_bytes(plain_law()))
-    (tmp_path / "d-verified").mkdir()
+def test_verify_writes_a_report_and_a_table(here: Path, cli: Cli) -> None:
+    (here / "d.toml").write_text(SEVEN)
+    (here / "law.npz").write_bytes(law_bytes(plain_law()))
+    (here / "d-verified").mkdir()
     for earlier in ("summary.json", "shape.vtu", "rods.vtu", "shape.png"):
-        (tmp_path / "d-verified" / earlier).write_text('{"version": "of simulate"}')
-    result = run("verify", "d.toml", "--law", "law.npz", cwd=tmp_path)
-    assert result.returncode == 0, result.stderr
-    assert "% of the diameter rms" in result.stdout and "same form" in result.stdout
+        (here / "d-verified" / earlier).write_text('{"version": "of simulate"}')
+    result = cli(["verify", "d.toml", "--law", "law.npz"])
+    assert result.status == 0, result.err
+    assert "% of the diameter rms" in result.out and "same form" in result.out
     # what is seen while waiting
     said = ("preview done in", "released from the flat print", "started from the preview", "comparing", "report")
-    assert [result.stderr.index(text) for text in said] == sorted(result.stderr.index(text) for text in said)
-    assert sorted(file.name for file in (tmp_path / "d-verified").iterdir()) == [
+    assert [result.err.index(text) for text in said] == sorted(result.err.index(text) for text in said)
+    assert sorted(file.name for file in (here / "d-verified").iterdir()) == [
         "exact.obj", "exact.vtu", "preview.obj", "preview.vtu", "report.html", "summary.json",
     ]  # fmt: skip
-    summary = json.loads((tmp_path / "d-verified" / "summary.json").read_text())
+    summary = json.loads((here / "d-verified" / "summary.json").read_text())
     assert summary["preview"]["model"] == "preview" and summary["exact"]["is_minimum"]
     assert 0.0 < summary["rms_percent"] < 30.0
     expected, height = (summary[f"expected_{what}_percent"] for what in ("rms", "height"))
-    line = next(line for line in result.stdout.splitlines() if line.startswith("  estimated error      "))
+    line = next(line for line in result.out.splitlines() if line.startswith("  estimated error      "))
     assert f" {expected:.1f} % of the diameter of " in line and line.endswith(f" ({height:.0f} %)")
 
 
-def test_mistakes_are_one_line_and_leave_nothing(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "d.toml").write_text(SEVEN)
-    (tmp_path / "not.npz").write_text("a law?")
-    (tmp_path / "other.toml").write_text(SEVEN + '[fabric]\nbending = "none"\n')
-    (tmp_path / "hinges.toml").write_text(SEVEN + '[fabric]\nbending = "paper"\n')
+def test_mistakes_are_one_line_and_leave_nothing(here: Path, cli: Cli) -> None:
+    (here / "d.toml").write_text(SEVEN)
+    (here / "not.npz").write_text("a law?")
+    (here / "other.toml").write_text(SEVEN + '[fabric]\nbending = "none"\n')
+    (here / "hinges.toml").write_text(SEVEN + '[fabric]\nbending = "paper"\n')
     for words, said in (
         (["d.toml", "--law", "not.npz"], "not.npz"),
         (["no.toml"], "no.toml"),
@@ -64,6 +60,6 @@ def test_mistakes_are_one_line_and_leave_nothing(
         (["d.toml", "--tolerance", "0"], "--tolerance = 0.0"),
         (["other.toml"], "fabric.bending"),
     ):
-        refused = command(["verify", *words], capsys, monkeypatch)
+        refused = cli(["verify", *words])
         assert refused.status == 2 and said in refused.err.splitlines()[-1]
-    assert sorted(file.name for file in tmp_path.iterdir()) == ["d.toml", "hinges.toml", "not.npz", "other.toml"]
+    assert sorted(file.name for file in here.iterdir()) == ["d.toml", "hinges.toml", "not.npz", "other.toml"]

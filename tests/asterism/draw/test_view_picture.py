@@ -15,7 +15,7 @@ from asterism.draw.render import View
 from asterism.reports.write_results import write_results
 from asterism.shape.release_picture import FRAMES, released
 from asterism.shape.shape import Shape
-from tests.asterism.commands import command
+from tests.asterism.commands import Cli
 from tests.asterism.sheets import dome, sheet
 
 PIXELS = (400, 300)
@@ -69,18 +69,13 @@ def test_shapes_show_themselves_in_notebooks(shape: Shape) -> None:
     assert shape.picture("front", PIXELS, plain=True).size == PIXELS
 
 
-def test_results_are_drawn_at_one_scale(
-    shape: Shape, tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_results_are_drawn_at_one_scale(shape: Shape, here: Path, cli: Cli) -> None:
     half = replace(shape, printed=shape.printed / 2, positions=shape.positions / 2)
     for name, one in {"large": shape, "small": half}.items():
-        write_results(replace(one, summary={"design": {"name": name, "pins": [{}]}}), tmp_path / name)
-    done = command(
-        ["picture", "large", "small", "--view", "above", "--size", "400x300", "--plain"], capsys, monkeypatch
-    )
+        write_results(replace(one, summary={"design": {"name": name, "pins": [{}]}}), here / name)
+    done = cli(["picture", "large", "small", "--view", "above", "--size", "400x300", "--plain"])
     assert done.status == 0, done.err
-    sizes = [ink(Image.open(tmp_path / f"{name}-above.png")) for name in ("large", "small")]
+    sizes = [ink(Image.open(here / f"{name}-above.png")) for name in ("large", "small")]
     assert sizes[0] == pytest.approx(2.0 * sizes[1], abs=8)
     for words, said in (
         (["nothing"], "nothing"),
@@ -90,7 +85,7 @@ def test_results_are_drawn_at_one_scale(
         (["large", "--scale", "0"], "--scale"),
         (["large", "large/shape.vtu", "small/shape.vtu", "-o", "."], "--output"),
     ):
-        refused = command(["picture", *words], capsys, monkeypatch)
+        refused = cli(["picture", *words])
         assert refused.status == 2 and said in refused.line, words
 
 
@@ -105,14 +100,11 @@ def test_a_release_leads_from_the_print_to_the_shape_without_stretching_more_tha
     assert (lengths > 0.98 * ends.min(axis=0)).all() and (lengths < 1.02 * ends.max(axis=0)).all()
 
 
-def test_the_command_writes_an_animated_release(
-    shape: Shape, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    write_results(replace(shape, summary={"design": {"name": "dome", "pins": [{}]}}), tmp_path / "dome")
+def test_the_command_writes_an_animated_release(shape: Shape, here: Path, cli: Cli) -> None:
+    write_results(replace(shape, summary={"design": {"name": "dome", "pins": [{}]}}), here / "dome")
     words = ["picture", "dome", "--release", "--size", "200x150", "--plain"]
-    assert command(words, capsys, monkeypatch).status == 0
+    assert cli(words).status == 0
     with Image.open("dome-release.gif") as image:
         assert image.n_frames == FRAMES and image.size == (200, 150)
-    refused = command([*words, "--scale", "2"], capsys, monkeypatch)
+    refused = cli([*words, "--scale", "2"])
     assert refused.status == 2 and "--scale" in refused.err

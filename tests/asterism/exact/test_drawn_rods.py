@@ -9,7 +9,7 @@ import pytest
 
 import asterism
 from asterism.shape.vtu import read_shape
-from tests.asterism.commands import command
+from tests.asterism.commands import Cli
 
 RING = """
 [rods]
@@ -35,8 +35,8 @@ def design(tmp_path: Path) -> Path:
 
 
 @pytest.mark.slow
-def test_simulate_writes_a_certified_shape(design: Path, capsys, monkeypatch) -> None:
-    done = command(["simulate", str(design), "--quiet"], capsys, monkeypatch)
+def test_simulate_writes_a_certified_shape(design: Path, cli: Cli) -> None:
+    done = cli(["simulate", str(design), "--quiet"])
     assert done.status == 0, done.err
     assert "3, 2 joints" in done.out and "stars" not in done.out
     summary = json.loads((design.parent / "ring" / "summary.json").read_text(encoding="utf-8"))
@@ -47,8 +47,8 @@ def test_simulate_writes_a_certified_shape(design: Path, capsys, monkeypatch) ->
 
 
 @pytest.mark.parametrize("name", ["preview", "verify", "calibrate"])
-def test_commands_that_need_a_law_say_so_in_one_line(name: str, design: Path, capsys, monkeypatch) -> None:
-    done = command([name, str(design), "--quiet"], capsys, monkeypatch)
+def test_commands_that_need_a_law_say_so_in_one_line(name: str, design: Path, cli: Cli) -> None:
+    done = cli([name, str(design), "--quiet"])
     assert done.status == 2
     assert "law" in done.line and "asterism simulate" in done.line
 
@@ -83,11 +83,11 @@ def test_a_sheet_with_a_hole_is_certified_and_softer(design: Path) -> None:
 
 
 @pytest.mark.slow
-def test_previews_take_holes_whose_edges_are_held_by_number(tmp_path: Path, capsys, monkeypatch) -> None:
+def test_previews_take_holes_whose_edges_are_held_by_number(tmp_path: Path, cli: Cli) -> None:
     text = "[stars]\nlength_mm = 8.0\n[border]\nrings = 2\n[[border.holes]]\ncircle_mm = { radius = 5 }\n"
     text += "[[pins]]\nholes = [0]\nscale = 0.8\n"
     (tmp_path / "d.toml").write_text(text, encoding="utf-8")
-    done = command(["preview", str(tmp_path / "d.toml"), "--quiet"], capsys, monkeypatch)
+    done = cli(["preview", str(tmp_path / "d.toml"), "--quiet"])
     assert done.status == 0
 
 
@@ -110,19 +110,18 @@ bending = "paper"
 
 
 @pytest.mark.slow
-def test_stars_within_a_rim_are_certified_up_and_exported(tmp_path: Path, capsys, monkeypatch) -> None:
-    path = tmp_path / "beside.toml"
+def test_stars_within_a_rim_are_certified_up_and_exported(here: Path, cli: Cli) -> None:
+    path = here / "beside.toml"
     path.write_text(BESIDE, encoding="utf-8")
     shape = asterism.simulate(asterism.load_design(path))
     summary = shape.summary
     assert summary.is_minimum and summary.stars_up == summary.stars_total == 13 and summary.rods_total == 40
     assert sorted(set(shape.rod_fields["star"].tolist())) == [-1, *range(13)] and summary.contraction < 1.0
-    monkeypatch.chdir(tmp_path)
-    done = command(["export", "beside.toml"], capsys, monkeypatch)
+    done = cli(["export", "beside.toml"])
     assert done.status == 0, done.err
-    files = {file.name for file in (tmp_path / "beside-print").iterdir()}
+    files = {file.name for file in (here / "beside-print").iterdir()}
     assert {"stars.stl", "stars.scad", "middle-lines.svg"} <= files and "rods.stl" not in files
-    text = (tmp_path / "beside-print" / "stars.scad").read_text()
+    text = (here / "beside-print" / "stars.scad").read_text()
     assert "stars and rods for the" in text and text.count("\n  [") == 13 + len(shape.layout.drawn_rods)
     for name in ("preview", "verify"):
-        assert "do not repeat have no law" in command([name, "beside.toml", "--quiet"], capsys, monkeypatch).line
+        assert "do not repeat have no law" in cli([name, "beside.toml", "--quiet"]).line

@@ -1,16 +1,24 @@
-"""simulate: the numbers of the summary, and what they are made from."""
+"""simulate: the numbers of the summary, what they are made from, and what it warns of."""
 
 from __future__ import annotations
+
+from typing import Any
 
 import numpy as np
 import pytest
 
 import asterism
 from asterism.exact.simulation import exact_shape
+from asterism.exact.warnings import exact_warnings
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.materials import Fabric
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.symmetries import symmetries
 from asterism.results.record import keys_of
+from asterism.results.records.exact import ExactRecord
+from asterism.shape.comparison import compare_shapes
 
 
 def small(name: str = "tube", **sections: dict) -> Design:
@@ -100,3 +108,73 @@ def test_starts_from_a_shape_of_the_design():
     assert near.summary["iterations"] < 0.5 * alone.summary["iterations"]
     with pytest.raises(ValueError, match="near"):
         exact_shape(fine, starts=2, near=alone)
+
+
+def sheet(**fabric: Any) -> Design:
+    """Seven free stars on an even mesh."""
+    return Design.from_dict(
+        {
+            "stars": {"length_mm": 8.0, "thickness_mm": 0.35},
+            "fabric": {"modulus_mpa": Fabric().modulus_mpa, **fabric},
+            "border": {"rings": 1},
+            "mesh": {"edge_mm": 2.0},
+        }
+    )
+
+
+@pytest.mark.slow
+def test_three_plates_are_the_papers_hinges() -> None:
+    fabric, design = Fabric(), sheet()
+    plate_n_mm = fabric.modulus_mpa * fabric.thickness_mm**3 / (12.0 * (1.0 - fabric.poisson**2))
+    three = sheet(bending="consistent", bending_stiffness_n_mm=3.0 * plate_n_mm)
+    hinges, *others = (exact_shape(each) for each in (design, three, sheet(bending="consistent")))
+    assert all(shape.summary["is_minimum"] for shape in (hinges, *others))
+    plan = layout(design)
+    far = [compare_shapes(hinges, shape, plan, symmetries(design, plan)).rms_percent for shape in others]
+    assert far[0] < 2.0 < far[1]
+
+
+SUMMARY = {
+    "converged": True, "is_minimum": True, "smallest_eigenvalue": 1e-3, "gradient_norm": 1e-9,
+    "gradient_tolerance": 1e-8, "self_intersections": 0, "self_contact": None, "stars_total": 19,
+    "stars_off_branch": [], "mesh_error_percent": None, "mesh_tolerance_percent": None, "vertices": 900,
+}  # fmt: skip
+
+
+def said(scale: float = 1.0, **changes: Any) -> list[str]:
+    pins = [{"where": "border", "scale": scale}]
+    design = Design.from_dict({"stars": {"length_mm": 8.0}, "border": {"rings": 2}, "pins": pins})
+    return exact_warnings(ExactRecord.from_json(SUMMARY | changes), design, layout(design))
+
+
+def test_nothing_is_said_of_a_good_shape() -> None:
+    assert said() == []
+
+
+@pytest.mark.parametrize(
+    ("changes", "line"),
+    [
+        ({"scale": 2.0}, "the pins hold the sheet 2 times as wide"),
+        ({"stars_off_branch": [3]}, "1 of 19 stars of the exact shape are not on the side that the design asks for"),
+        ({"self_intersections": 4}, "passes through itself (4 pairs of triangles); --contact prevents this"),
+        ({"self_intersections": 4, "self_contact": {"pairs": 0}}, "(4 pairs of triangles)"),
+        ({"is_minimum": False, "smallest_eigenvalue": -1e-5}, "smallest eigenvalue -1.0e-05 N/mm is not positive"),
+        (
+            {"converged": False, "is_minimum": False, "gradient_norm": 1e-3},
+            "not an equilibrium: gradient 1.0e-03 N is above 1.0e-08 N",
+        ),
+    ],
+)
+def test_what_is_wrong_is_said_once(changes: dict[str, Any], line: str) -> None:
+    (only,) = said(**changes)
+    assert line in only
+    if changes.get("self_contact"):
+        assert "--contact" not in only
+
+
+@pytest.mark.parametrize(("axis", "edge", "told"), [(30.0, 2.0, True), (30.0, 0.5, False), (None, 2.0, False)])
+def test_a_free_roll_on_a_coarse_mesh_has_no_certain_radius(axis: float | None, edge: float, told: bool) -> None:
+    hinges = {"fabric": {"bending": "paper"}}
+    free = Design.from_dict({"stars": {"length_mm": 8.0}, "border": {"rings": 2}} | hinges)
+    summary = ExactRecord.from_json(SUMMARY | {"roll_axis_deg": axis, "edge_mm": edge})
+    assert ["depends on the mesh" in line for line in exact_warnings(summary, free, layout(free))] == [True] * told

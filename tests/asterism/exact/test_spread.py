@@ -27,7 +27,7 @@ from asterism.pattern.design.materials import rest_curvature
 from asterism.pattern.design.spread import Spread
 from asterism.pattern.layout.build import layout
 from asterism.results.records.spread import VALUES, SpreadRecord
-from tests.asterism.commands import command
+from tests.asterism.commands import Cli
 
 # each value a little off: the response is linear
 NARROW = {
@@ -183,12 +183,12 @@ def test_what_is_no_exact_minimum_is_refused() -> None:
 
 
 @pytest.mark.slow
-def test_the_command_writes_the_range_and_its_picture(tmp_path: Path, capsys, monkeypatch) -> None:
+def test_the_command_writes_the_range_and_its_picture(tmp_path: Path, cli: Cli) -> None:
     design = tmp_path / "d.toml"
     text = "[stars]\nlength_mm = 10.0\n[border]\nrings = 0\n[mesh]\nedge_mm = 4.0\n"
     design.write_text(text)
     words = ["simulate", str(design), "--starts", "1"]
-    done = command([*words, "--spread"], capsys, monkeypatch)
+    done = cli([*words, "--spread"])
     assert done.status == 0, done.err
     assert "in nine of ten prints" in done.out and "range comes from" in done.out and "spread.png" in done.out
     assert "spread: thickness at its lower end" in done.err
@@ -200,10 +200,7 @@ def test_the_command_writes_the_range_and_its_picture(tmp_path: Path, capsys, mo
     low = again.summary.spread.height_low_mm  # type: ignore[union-attr]
     assert low == pytest.approx(summary["spread"]["height_low_mm"], abs=1e-6)
     # the range of an earlier result does not stay beside a new one
-    assert command(words, capsys, monkeypatch).status == 0
+    assert cli(words).status == 0
     assert not (tmp_path / "d" / "spread.png").exists()
     design.write_text(text + "[spread]\nthickness_error_mm = 0.28\n")
-    assert (
-        "d.toml: spread.thickness_error_mm = 0.28: is too wide"
-        in command([*words, "--spread"], capsys, monkeypatch).line
-    )
+    assert "d.toml: spread.thickness_error_mm = 0.28: is too wide" in cli([*words, "--spread"]).line

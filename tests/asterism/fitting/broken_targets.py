@@ -13,7 +13,7 @@ import trimesh
 from PIL import Image
 
 from asterism.fitting.disk import height_mesh
-from tests.asterism.fitting import wrong_surfaces as wrong
+from tests.asterism.fitting import surfaces as wrong
 from tests.asterism.fitting.surfaces import cylinder_part, spherical_cap
 
 PICTURE = ("--heights-mm", "0", "12", "--extent-mm", "90")

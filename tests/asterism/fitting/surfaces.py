@@ -1,8 +1,9 @@
-"""Triangulated surfaces for tests."""
+"""Triangulated surfaces for tests, and some that are no disk."""
 
 from __future__ import annotations
 
 import numpy as np
+import trimesh
 
 from asterism.equilibrium.arrays import Floats, Ints
 from benchmarks.fit_targets import rectangle_mesh, round_mesh
@@ -25,3 +26,70 @@ def cylinder_part(radius: float, turn_rad: float, depth: float) -> tuple[Floats,
     plane, triangles = rectangle_mesh(radius * turn_rad, depth, 33, 25)
     angle = plane[:, 0] / radius
     return np.column_stack([radius * np.sin(angle), plane[:, 1], radius * np.cos(angle)]), triangles
+
+
+Mesh = tuple[Floats, Ints]
+
+
+def sphere() -> Mesh:
+    ball = trimesh.creation.icosphere(2, 50.0)
+    return np.asarray(ball.vertices), np.asarray(ball.faces)
+
+
+def plate_with_hole(count: int) -> Mesh:
+    plane, triangles = rectangle_mesh(100.0, 60.0, 31, 19)
+    middles = plane[triangles].mean(axis=1)
+    keep = np.ones(len(triangles), dtype=bool)
+    for number in range(count):
+        keep &= np.linalg.norm(middles - [30.0 * (number - 0.5 * (count - 1)), 0.0], axis=1) > 9.0
+    return np.column_stack([plane, np.zeros(len(plane))]), triangles[keep]
+
+
+def two_pieces() -> Mesh:
+    vertices, triangles = spherical_cap(30.0, rings=5)
+    shifted = vertices + np.array([200.0, 0.0, 0.0])
+    return np.concatenate([vertices, shifted]), np.concatenate([triangles, triangles + len(vertices)])
+
+
+def moebius_strip() -> Mesh:
+    count = 60
+    angle = np.arange(count) * 2.0 * np.pi / count
+    rows = []
+    for across in (-8.0, 8.0):
+        radius = 40.0 + across * np.cos(0.5 * angle)
+        rows.append(np.column_stack([radius * np.cos(angle), radius * np.sin(angle), across * np.sin(0.5 * angle)]))
+    triangles = []
+    for i in range(count):
+        a, b, c, d = i, i + count, (i + 1) % count, (i + 1) % count + count
+        if i == count - 1:
+            c, d = count, 0
+        triangles += [[a, c, b], [c, d, b]]
+    return np.concatenate(rows), np.array(triangles)
+
+
+def open_torus() -> Mesh:
+    ring = trimesh.creation.torus(40.0, 15.0, major_sections=24, minor_sections=16)
+    return np.asarray(ring.vertices), np.asarray(ring.faces)[1:]
+
+
+def fin() -> Mesh:
+    vertices, triangles = rectangle_mesh(60.0, 60.0, 7, 7)
+    flat = np.column_stack([vertices, np.zeros(len(vertices))])
+    a, b = triangles[20][:2]
+    return np.concatenate([flat, [[0.0, 0.0, 30.0]]]), np.concatenate([triangles, [[a, b, len(flat)]]])
+
+
+def bow_tie() -> Mesh:
+    corners = [[0.0, 0, 0], [-40, -30, 0], [-40, 30, 0], [40, -30, 0], [40, 30, 0]]
+    return np.array(corners), np.array([[0, 2, 1], [0, 3, 4]])
+
+
+def crossing_sheet() -> Mesh:
+    # a strip that runs in a loop and passes through itself
+    turn = np.linspace(-1.9, 1.9, 61)
+    line = np.column_stack([40.0 * np.sin(2.0 * turn), 40.0 * turn**2])
+    across = np.linspace(-20.0, 20.0, 9)
+    vertices = np.array([[x, y, z] for x, z in line for y in across])
+    number = np.arange(len(vertices)).reshape(61, 9)
+    a, b, c, d = (part.ravel() for part in (number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]))
+    return vertices, np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])

@@ -19,11 +19,7 @@ from asterism.fitting.errors import TargetError
 from asterism.fitting.load_target import load_target
 from asterism.fitting.target import MAX_TARGET_TRIANGLES, TargetSurface
 from asterism.measure.compare.scan import ScanError
-from tests.asterism.fitting.surfaces import spherical_cap
-from tests.asterism.fitting.wrong_surfaces import (
-    Mesh,
-    bow_tie,
-)
+from tests.asterism.fitting.surfaces import Mesh, bow_tie, spherical_cap
 
 BROKEN: list[tuple[Callable[[], Mesh], str]] = [
     (bow_tie, "the border touches itself at"),

@@ -19,7 +19,7 @@ from asterism.homogenize.campaign.workers import CampaignProgress
 from asterism.homogenize.law.law_file import law_digest, load_law
 from asterism.homogenize.law.plan import CellTask
 from asterism.process.progress_line import CountLine
-from tests.asterism.laws.conftest import Asterism
+from tests.asterism.commands import Cli
 from tests.homogenize import same_process
 
 PLAN = """
@@ -63,16 +63,9 @@ def test_a_law_with_all_that_made_it(place: Path) -> None:
 
 
 @pytest.mark.slow
-def test_the_same_plan_gives_the_same_law_from_the_start(place: Path, folder: Path, asterism: Asterism) -> None:
-    """With one process and fresh cells: bit for bit."""
-    (folder / "m.toml").write_text(PLAN)
-    assert asterism(["calibrate", "m.toml", "--jobs", "1"]).status == 0
-    assert law_digest(load_law(folder / "m.npz")) == law_digest(load_law(place / "m.npz"))
-
-
-def test_show_writes_a_picture_and_a_summary(place: Path, asterism: Asterism, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_show_writes_a_picture_and_a_summary(place: Path, cli: Cli, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(place)
-    shown = asterism(["law", "show", "m.npz", "-o", "shown"])
+    shown = cli(["law", "show", "m.npz", "-o", "shown"])
     assert shown.status == 0, shown.err
     assert "kappa" in shown.out and "stretch 1.35" in shown.out
     with Image.open(place / "shown" / "law.png") as image:
@@ -82,10 +75,10 @@ def test_show_writes_a_picture_and_a_summary(place: Path, asterism: Asterism, mo
 
 
 @pytest.mark.slow
-def test_the_law_that_comes_with_the_package(folder: Path, asterism: Asterism) -> None:
-    shown = asterism(["law", "show"])
+def test_the_law_that_comes_with_the_package(here: Path, cli: Cli) -> None:
+    shown = cli(["law", "show"])
     assert shown.status == 0, shown.err
-    assert "stretch 1.75" in shown.out and (folder / "paper-law" / "law.png").exists()
+    assert "stretch 1.75" in shown.out and (here / "paper-law" / "law.png").exists()
     law = load_law()
     assert law.made["command"] == "asterism calibrate" and law.stretches == (1.35, 1.75)
     for table in law.tables:
@@ -109,58 +102,58 @@ def test_the_law_that_comes_with_the_package(folder: Path, asterism: Asterism) -
         (["law", "shw"], "shw"),
     ],
 )
-def test_mistakes_are_one_line(words: list[str], expected: str, folder: Path, asterism: Asterism) -> None:
+def test_mistakes_are_one_line(words: list[str], expected: str, here: Path, cli: Cli) -> None:
     if "--dask" in words:
         pytest.importorskip("distributed")
-    (folder / "m.toml").write_text(PLAN)
-    (folder / "bad.toml").write_text("[plan]\nedge_mm = 40")
-    refused = asterism(words)
+    (here / "m.toml").write_text(PLAN)
+    (here / "bad.toml").write_text("[plan]\nedge_mm = 40")
+    refused = cli(words)
     assert refused.status == 2 and expected in refused.line
-    assert not list(folder.glob("*.npz"))
+    assert not list(here.glob("*.npz"))
 
 
-def test_cells_that_all_fail_are_status_one(folder: Path, asterism: Asterism, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_cells_that_all_fail_are_status_one(here: Path, cli: Cli, monkeypatch: pytest.MonkeyPatch) -> None:
     """Arms of neighbouring stars that overlap have no cell."""
-    (folder / "m.toml").write_text(PLAN.replace("3.0, 10.0", "12.0, 14.0") + "[lattice]\narms = 5\n")
+    (here / "m.toml").write_text(PLAN.replace("3.0, 10.0", "12.0, 14.0") + "[lattice]\narms = 5\n")
     same_process.use(monkeypatch)
-    ended = asterism(["calibrate", "m.toml", "--jobs", "2"])
+    ended = cli(["calibrate", "m.toml", "--jobs", "2"])
     assert ended.status == 1
     last = ended.err.splitlines()[-1]
     assert "fewer than half of the cells" in last and "shorten or turn them" in last
     assert "Traceback" not in ended.err
-    assert not list(folder.glob("*.npz"))
+    assert not list(here.glob("*.npz"))
 
 
-def test_interrupted_before_a_cell_is_finished(
-    place: Path, tmp_path: Path, asterism: Asterism, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_interrupted_before_a_cell_is_finished(tmp_path: Path, cli: Cli, monkeypatch: pytest.MonkeyPatch) -> None:
     def interrupted(watch: CountLine, progress: object) -> None:
         raise KeyboardInterrupt
 
     (tmp_path / "m.toml").write_text(PLAN)
     monkeypatch.setattr(CountLine, "report", interrupted)
-    ended = asterism(["calibrate", str(tmp_path / "m.toml"), "--jobs", "1"])
+    ended = cli(["calibrate", str(tmp_path / "m.toml"), "--jobs", "1"])
     assert ended.status == 130 and ended.line.startswith("asterism: interrupted")
     assert not (tmp_path / "m.npz").exists()
 
 
 @pytest.mark.slow
-def test_interrupted_and_resumed(folder: Path, asterism: Asterism) -> None:
-    (folder / "m.toml").write_text(PLAN)
-    with open(folder / "errors", "w") as errors:
+def test_interrupted_and_resumed(place: Path, here: Path, cli: Cli) -> None:
+    """With one process and fresh cells: bit for bit the law of two processes at once."""
+    (here / "m.toml").write_text(PLAN)
+    with open(here / "errors", "w") as errors:
         words = [sys.executable, "-m", "asterism", "calibrate", "m.toml", "--jobs", "1"]
-        process = subprocess.Popen(words, cwd=folder, stderr=errors)
-    samples = folder / "cells"
+        process = subprocess.Popen(words, cwd=here, stderr=errors)
+    samples = here / "cells"
     while not (samples.exists() and list(samples.glob("*.json"))):
         time.sleep(0.02)
         assert process.poll() is None
     process.send_signal(signal.SIGINT)
     assert process.wait(timeout=60) == 130
-    last = (folder / "errors").read_text().splitlines()[-1]
+    last = (here / "errors").read_text().splitlines()[-1]
     assert last.startswith(f"asterism: interrupted; finished cells are in {samples}")
-    assert not (folder / "m.npz").exists()
+    assert not (here / "m.npz").exists()
     kept = len(list(samples.glob("*.json")))
-    result = asterism(["calibrate", "m.toml"])
+    result = cli(["calibrate", "m.toml", "--jobs", "1"])
+    assert law_digest(load_law(here / "m.npz")) == law_digest(load_law(place / "m.npz"))
     assert result.status == 0 and f"{kept} of 6 cells" in result.err.splitlines()[0]
 
 

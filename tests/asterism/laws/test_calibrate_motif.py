@@ -16,7 +16,7 @@ from asterism.laws import calibrate as module
 from asterism.laws.design_law import law_from_file
 from asterism.pattern.layout.build import layout, load_design
 from asterism.previews.law_choice import serving_law
-from tests.asterism.laws.conftest import Asterism
+from tests.asterism.commands import Cli
 from tests.homogenize import same_process
 from tests.homogenize.motif_laws import made_up
 
@@ -43,8 +43,8 @@ def place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def test_a_design_gets_its_law(place: Path, asterism: Asterism) -> None:
-    done = asterism(["calibrate", "net.toml", "--jobs", "1"])
+def test_a_design_gets_its_law(place: Path, cli: Cli) -> None:
+    done = cli(["calibrate", "net.toml", "--jobs", "1"])
     assert done.status == 0, done.err
     lines = done.out.splitlines()
     assert lines[1] == "  pattern     1 line; thickness 0.4 to 0.45 mm, width 1.2 mm"
@@ -55,14 +55,14 @@ def test_a_design_gets_its_law(place: Path, asterism: Asterism) -> None:
     law = load_law(place / "net-law.npz")
     assert law.made["command"] == "asterism calibrate net.toml" and law.edge_mm == 2.5
     assert len(list((place / "cells").glob("*.json"))) == 7
-    again = asterism(["calibrate", "net.toml", "--jobs", "1", "-o", "net-law.npz"])
+    again = cli(["calibrate", "net.toml", "--jobs", "1", "-o", "net-law.npz"])
     assert again.status == 0 and again.err.splitlines() == ["  7 of 7 cells"]
 
 
-def test_another_material_is_part_of_the_law(place: Path, asterism: Asterism) -> None:
+def test_another_material_is_part_of_the_law(place: Path, cli: Cli) -> None:
     (place / "soft.toml").write_text("[plastic]\nmodulus_ratio = 1000\n")
     (place / "net.toml").write_text(design())
-    done = asterism(["calibrate", "net.toml", "--material", "soft.toml", "--jobs", "1"])
+    done = cli(["calibrate", "net.toml", "--material", "soft.toml", "--jobs", "1"])
     assert done.status == 0 and done.out.splitlines()[-1].endswith(
         "net.toml --material soft.toml --law net-law-soft.npz"
     )
@@ -70,9 +70,9 @@ def test_another_material_is_part_of_the_law(place: Path, asterism: Asterism) ->
 
 
 @pytest.mark.slow
-def test_show_prints_range_and_errors(place: Path, asterism: Asterism) -> None:
-    asterism(["calibrate", "net.toml", "--jobs", "1"])
-    shown = asterism(["law", "show", "net-law.npz"])
+def test_show_prints_range_and_errors(place: Path, cli: Cli) -> None:
+    cli(["calibrate", "net.toml", "--jobs", "1"])
+    shown = cli(["law", "show", "net-law.npz"])
     assert shown.status == 0, shown.err
     assert "held out, 4 cells" in shown.out and "    curvature " in shown.out
     assert shown.out.splitlines()[-1] == "net-law: law.png, summary.json"
@@ -82,25 +82,25 @@ def test_show_prints_range_and_errors(place: Path, asterism: Asterism) -> None:
 
 
 @pytest.mark.slow
-def test_simulate_says_that_it_does_not_use_the_law(place: Path, asterism: Asterism) -> None:
-    asterism(["calibrate", "net.toml", "--jobs", "1"])
-    done = asterism(["simulate", "net.toml", "--law", "net-law.npz", "-q"])
+def test_simulate_says_that_it_does_not_use_the_law(place: Path, cli: Cli) -> None:
+    cli(["calibrate", "net.toml", "--jobs", "1"])
+    done = cli(["simulate", "net.toml", "--law", "net-law.npz", "-q"])
     assert done.status == 0 and "asterism: --law is not used: drawn rods start from the flat print alone" in done.err
-    assert "--law is not used" not in asterism(["simulate", "net.toml", "-q"]).err
+    assert "--law is not used" not in cli(["simulate", "net.toml", "-q"]).err
 
 
-def test_parts_of_the_range_without_a_law_are_named(place: Path, asterism: Asterism) -> None:
+def test_parts_of_the_range_without_a_law_are_named(place: Path, cli: Cli) -> None:
     (place / "thin.toml").write_text(design(VARIED.replace("0.4,", "0.33,")))
-    done = asterism(["calibrate", "thin.toml", "--jobs", "1"])
+    done = cli(["calibrate", "thin.toml", "--jobs", "1"])
     assert done.status == 0
     assert "  no answer: thickness 0.33 mm: the motif has no law of one cell: 2 x 2 cells relax to" in done.err
     assert "cells without a law" in done.out
     assert "   1  the motif has no law of one cell" in done.out
 
 
-def test_a_motif_that_does_not_repeat_cell_by_cell_is_status_one(place: Path, asterism: Asterism) -> None:
+def test_a_motif_that_does_not_repeat_cell_by_cell_is_status_one(place: Path, cli: Cli) -> None:
     (place / "thin.toml").write_text(design("0.3"))
-    ended = asterism(["calibrate", "thin.toml", "--jobs", "1"])
+    ended = cli(["calibrate", "thin.toml", "--jobs", "1"])
     assert ended.status == 1
     assert ended.err.splitlines()[-1].startswith(
         "asterism: thickness 0.3 mm, width 1.2 mm: the motif has no law of one cell: 2 x 2 cells relax to"
@@ -108,8 +108,8 @@ def test_a_motif_that_does_not_repeat_cell_by_cell_is_status_one(place: Path, as
     assert not list(place.glob("*.npz"))
 
 
-def test_designs_name_their_law(place: Path, asterism: Asterism) -> None:
-    asterism(["calibrate", "net.toml", "--jobs", "1"])
+def test_designs_name_their_law(place: Path, cli: Cli) -> None:
+    cli(["calibrate", "net.toml", "--jobs", "1"])
     (place / "named.toml").write_text(design("0.42", '[material]\nlaw = "net-law.npz"\n'))
     sheet = load_design(place / "named.toml")
     law = law_from_file(sheet, None, place / "named.toml")
@@ -123,10 +123,10 @@ def test_designs_name_their_law(place: Path, asterism: Asterism) -> None:
     )
 
 
-def test_a_law_of_the_other_kind_is_refused_in_one_line(place: Path, asterism: Asterism) -> None:
-    asterism(["calibrate", "net.toml", "--jobs", "1"])
+def test_a_law_of_the_other_kind_is_refused_in_one_line(place: Path, cli: Cli) -> None:
+    cli(["calibrate", "net.toml", "--jobs", "1"])
     (place / "stars.toml").write_text("[stars]\nlength_mm = 8\n[border]\nrings = 1\n")
-    refused = asterism(["preview", "stars.toml", "--law", "net-law.npz"])
+    refused = cli(["preview", "stars.toml", "--law", "net-law.npz"])
     assert refused.status == 2 and refused.line == (
         "asterism: stars.toml: stars: the law is for a motif of drawn rods (net-law.npz); "
         "without it the preview makes its own law"
@@ -145,9 +145,9 @@ def test_a_law_of_the_other_kind_is_refused_in_one_line(place: Path, asterism: A
         (BESIDE_STARS, "d.toml: stars: must be left out: a law is for a motif alone"),
     ],
 )
-def test_designs_without_a_law_are_refused(text: str, message: str, place: Path, asterism: Asterism) -> None:
+def test_designs_without_a_law_are_refused(text: str, message: str, place: Path, cli: Cli) -> None:
     (place / "d.toml").write_text(text)
-    refused = asterism(["calibrate", "d.toml"])
+    refused = cli(["calibrate", "d.toml"])
     assert refused.status == 2 and refused.line.startswith(f"asterism: {message}")
     assert not list(place.glob("*.npz"))
 

@@ -10,8 +10,7 @@ import pytest
 from asterism.pattern.design import files
 from asterism.pattern.design.design import save_design
 from tests.asterism.commands import Cli
-from tests.asterism.print.exported import Run
-from tests.asterism.print.jobs import design
+from tests.asterism.print.jobs import Run, design
 
 
 @pytest.fixture(autouse=True)
@@ -38,5 +37,6 @@ def run(as_it_is: Run, monkeypatch: pytest.MonkeyPatch) -> Run:
 
 @pytest.fixture
 def file(tmp_path: Path) -> Path:
-    save_design(design(mesh={"edge_mm": 6.0}), tmp_path / "d.toml")
+    """On the paper's fabric, whose law need not be learned."""
+    save_design(design(fabric={}, mesh={"edge_mm": 6.0}), tmp_path / "d.toml")
     return tmp_path / "d.toml"

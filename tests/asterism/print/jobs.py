@@ -1,7 +1,8 @@
-"""Small jobs for the tests of exports."""
+"""Small jobs for the tests of exports, the files that an export writes, and the command that writes them."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import Any
 
 from asterism.pattern.design.design import Design
@@ -9,6 +10,7 @@ from asterism.print.job import Job, prepare
 from asterism.print.printer import load_plastic, load_printer
 from asterism.print.settings import ExportSettings
 from asterism.shape.shape import Shape
+from tests.asterism.commands import Outcome
 
 SMALL: dict[str, Any] = {
     "name": "small",
@@ -39,3 +41,30 @@ def job(
     machine = load_printer("ultimaker2")
     changed = type(machine).model_validate(machine.model_dump() | (printer or {}))
     return prepare(of or design(), changed, load_plastic("tpu95a"), ExportSettings(**settings), shape, any_size)
+
+
+Run = Callable[..., Outcome]
+
+ALWAYS = {
+    "border.stl",
+    "export.json",
+    "instructions.pdf",
+    "instructions.txt",
+    "layout.dxf",
+    "layout.pdf",
+    "layout.svg",
+    "print.3mf",
+    "rounded.toml",
+    "stars.lua",
+    "stars.scad",
+    "stars.stl",
+    "start.gcode",
+}
+PINNED = {"needles.csv", "needles.dxf", "needles.svg"}
+SHAPE = {"shape.obj", "shape.stl", "shape.glb", "shape.vtu", "rods.vtu"}
+
+
+def mistake(ended: Outcome) -> str:
+    """The one line of a refused command."""
+    assert ended.status == 2, ended.err
+    return ended.line

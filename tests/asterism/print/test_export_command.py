@@ -11,8 +11,7 @@ import pytest
 from asterism.pattern.design.design import save_design
 from asterism.pattern.layout.build import load_design
 from tests.asterism.commands import Cli
-from tests.asterism.print.exported import ALWAYS, PINNED, Run, mistake
-from tests.asterism.print.jobs import design
+from tests.asterism.print.jobs import ALWAYS, PINNED, Run, design, mistake
 
 
 @pytest.mark.slow
@@ -24,10 +23,10 @@ def test_all_files_and_what_they_say(file: Path, tmp_path: Path, as_it_is: Run) 
     said = json.loads((folder / "export.json").read_text())
     assert set(said["files"]) == ALWAYS | PINNED
     assert said["z_offset_mm"] == pytest.approx(3.55)
-    assert said["check_square_mm"] == {"before": [100.0, 100.0], "after": pytest.approx([135.0, 130.0])}
+    assert said["check_square_mm"] == {"before": [100.0, 100.0], "after": pytest.approx([135.0, 135.0])}
     assert "Z13.55" in (folder / "start.gcode").read_text()
     for text in (result.out, (folder / "instructions.txt").read_text()):
-        assert "3.55 mm" in text and "135.0" in text and "130.0" in text
+        assert "3.55 mm" in text and "135.0" in text
     assert said["tiny_stars"] == [{"at_mm": [0.0, 0.0], "arm_mm": 2.0}] and "tiny pieces" in result.out
     rows = (folder / "needles.csv").read_text().splitlines()
     assert rows[0].startswith("number,printed_x_mm") and len(rows) == said["needles"] + 1
@@ -49,7 +48,7 @@ def test_a_smaller_check_square_is_told_everywhere(file: Path, tmp_path: Path, r
 
 @pytest.mark.slow
 def test_the_fabric_is_to_be_measured_stretched(file: Path, tmp_path: Path, run: Run) -> None:
-    save_design(design(stars={"length_mm": 8.0}, border={"rings": 0}, pins=[]), file)
+    save_design(design(fabric={}, stars={"length_mm": 8.0}, border={"rings": 0}, pins=[]), file)
     assert "released fabric; measure it stretched: --fabric" in run("export", "d.toml", "-o", "out").out
     assert (tmp_path / "out" / "start.gcode").read_text().startswith("; for 0.80 mm of fabric, released")
     assert "(plate and stretched fabric)" in run("export", "d.toml", "-o", "out", "--fabric", "0.4").out
@@ -61,7 +60,7 @@ def test_the_design_is_not_written_over(file: Path, tmp_path: Path, run: Run) ->
     before = rounded.read_bytes()
     assert "is where rounded.toml is and stays" in mistake(run("export", "rounded.toml", "-o", "."))
     table = tmp_path / "summary.json"
-    table.write_text(json.dumps(design(mesh={"edge_mm": 6.0}).to_dict()))
+    table.write_text(json.dumps(design(fabric={}, mesh={"edge_mm": 6.0}).to_dict()))
     for name in ("preview", "simulate", "verify"):
         assert "is where summary.json is and stays" in mistake(run(name, "summary.json", "-o", "."))
     assert rounded.read_bytes() == before and sorted(tmp_path.iterdir()) == [rounded, table]
@@ -111,10 +110,10 @@ def test_designs_larger_than_the_bed_are_one_line(tmp_path: Path, run: Run) -> N
 
 @pytest.mark.slow
 def test_files_of_an_earlier_export_do_not_stay_behind(file: Path, tmp_path: Path, run: Run) -> None:
-    save_design(design(border={"rings": 0}), file)
+    save_design(design(fabric={}, border={"rings": 0}), file)
     assert run("export", "d.toml", "-o", "out").status == 0
     (tmp_path / "out" / "summary.json").write_text("mine")
-    save_design(design(border={"rings": 0}, pins=[]), file)
+    save_design(design(fabric={}, border={"rings": 0}, pins=[]), file)
     assert run("export", "d.toml", "-o", "out", "--no-border").status == 0
     assert {path.name for path in (tmp_path / "out").iterdir()} == (ALWAYS - {"border.stl"}) | {"summary.json"}
 
@@ -141,7 +140,7 @@ def test_files_that_are_no_exports_stay(file: Path, tmp_path: Path, run: Run) ->
         path.write_text("mine")
     assert run("export", "d.toml").status == 0
     assert all(path.read_text() == "mine" for path in own.values())
-    save_design(design(pins=[]), file)
+    save_design(design(fabric={}, border={"rings": 0}, pins=[]), file)
     assert run("export", "d.toml").status == 0 and not (tmp_path / "d-print" / "needles.csv").exists()
 
 

@@ -12,14 +12,13 @@ from asterism.homogenize.law.law_file import PAPER_LAW
 from asterism.pattern.design.design import save_design
 from asterism.pattern.layout.build import layout, load_design
 from asterism.print.export import export, printed_shape, shape_change
-from tests.asterism.print.exported import ALWAYS, PINNED, SHAPE, Run, mistake
-from tests.asterism.print.jobs import design, job
+from tests.asterism.print.jobs import ALWAYS, PINNED, SHAPE, Run, design, job, mistake
 
 
 @pytest.mark.usefixtures("blank_pictures")
 @pytest.mark.slow
 def test_simulated_shape_and_change_of_shape(file: Path, tmp_path: Path, run: Run) -> None:
-    save_design(design(border={"rings": 1}, mesh={"edge_mm": 6.0}), file)
+    save_design(design(fabric={}, border={"rings": 1}, mesh={"edge_mm": 6.0}), file)
     result = run("export", "d.toml", "-o", "out", "--simulate", "--no-border")
     assert result.status == 0, result.err
     assert {path.name for path in (tmp_path / "out").iterdir()} == (ALWAYS - {"border.stl"}) | PINNED | SHAPE

@@ -1,4 +1,4 @@
-"""Profiles of printers and plastics: files of the package and of the user."""
+"""Profiles of printers and plastics: files of the package and of the user, and their list."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from asterism.pattern.design import files as user_files
 from asterism.pattern.design.errors import DesignError
 from asterism.print import printer as profiles
 from asterism.print.printer import NOT_COMPLETE, Printer
+from tests.asterism.print.jobs import Run
 
 OWN = """
 name = "My machine"
@@ -126,3 +127,26 @@ def test_braces_beyond_the_placeholders_are_refused() -> None:
     data = profiles.load_printer("ultimaker2").model_dump()
     with pytest.raises(ValueError, match="in braces"):
         Printer.model_validate(data | {"start_code": "{z_offset_mm} {} G1"})
+
+
+def test_printers_are_listed(tmp_path: Path, run: Run) -> None:
+    result = run("printers")
+    assert result.status == 0
+    assert "ultimaker2" in result.out and "tpu95a" in result.out and "ASTERISM_PROFILES" in result.out
+
+
+def test_a_broken_file_of_ones_own_does_not_hide_the_others(
+    tmp_path: Path, run: Run, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ASTERISM_PROFILES", str(tmp_path))
+    for kind in ("printers", "plastics"):
+        (tmp_path / kind).mkdir()
+        (tmp_path / kind / "broken.toml").write_text('name = "x"\nwrong = 1\n')
+    result = run("printers")
+    assert result.status == 2
+    assert all(name in result.out for name in ("ender-3", "ultimaker2", "tpu95a", "ASTERISM_PROFILES"))
+    assert "  broken" not in result.out
+    lines = result.err.splitlines()
+    assert len(lines) == 2
+    for kind, line in zip(("printers", "plastics"), lines, strict=True):
+        assert line.startswith(f"asterism: {tmp_path / kind / 'broken.toml'}: wrong = 1: unknown key")

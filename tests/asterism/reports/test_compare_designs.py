@@ -16,7 +16,7 @@ import asterism
 from asterism.pattern.design.design import Design, save_design
 from asterism.pattern.design.errors import DesignError
 from asterism.reports.compare_designs import DesignsComparison, compare_designs
-from tests.asterism.commands import command
+from tests.asterism.commands import Cli
 
 
 def small(**changes: Any) -> Design:
@@ -131,17 +131,15 @@ def test_exact_shapes_have_their_mesh_errors(tmp_path: Path) -> None:
     assert "Shapes by the exact model." in (tmp_path / "x.html").read_text()
 
 
-def test_the_command_prints_the_numbers(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_the_command_prints_the_numbers(tmp_path: Path, cli: Cli) -> None:
     for name, thickness in (("a", 0.3), ("b", 0.4)):
         save_design(small(stars={"length_mm": 8.0, "thickness_mm": thickness}), tmp_path / f"{name}.toml")
-    ended = command(["compare-designs", str(tmp_path / "a.toml"), str(tmp_path / "b.toml")], capsys, monkeypatch)
+    ended = cli(["compare-designs", str(tmp_path / "a.toml"), str(tmp_path / "b.toml")])
     assert ended.status == 0
     assert f"{tmp_path / 'a-b.html'}: 1 entry differs" in ended.out and "print time, minutes" in ended.out
-    alone = command(["compare-designs", str(tmp_path / "a.toml")], capsys, monkeypatch)
+    alone = cli(["compare-designs", str(tmp_path / "a.toml")])
     assert alone.status == 2 and alone.line == "asterism: must be 2 to 12 design files, not 1"
-    pdf = command(["compare-designs", *2 * [str(tmp_path / "a.toml")], "-o", "x.pdf"], capsys, monkeypatch)
+    pdf = cli(["compare-designs", *2 * [str(tmp_path / "a.toml")], "-o", "x.pdf"])
     assert pdf.status == 2 and pdf.line == "asterism: --output: 'x.pdf' must end with .html"
 
 

@@ -3,18 +3,27 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
 import pypdfium2
 import pytest
+from PIL import Image
 
+from asterism.draw.shading import FABRIC_SIDE, PINS, PLASTIC_SIDE
+from asterism.exact.simulation import exact_shape
 from asterism.homogenize.law.law_file import PAPER_LAW, load_law
+from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import load_design
 from asterism.previews.session import preview
-from asterism.reports.design_report import LAYOUT_AT, LAYOUT_MM
+from asterism.print.job import prepare
+from asterism.print.printer import load_plastic, load_printer
+from asterism.reports.design_report import LAYOUT_AT, LAYOUT_MM, design_facts, report
+from asterism.reports.html import png
 from asterism.reports.write_results import write_results
-from tests.asterism.commands import command
+from tests.asterism.commands import Cli
+from tests.asterism.print.measure import pdf_words
 
 DESIGN = """
 name = "small roof"
@@ -48,8 +57,8 @@ def page(path: Path) -> tuple[str, np.ndarray]:
 
 
 @pytest.mark.slow
-def test_parameters_picture_layout_needles_and_material(design: Path, capsys, monkeypatch) -> None:
-    done = command(["report", str(design)], capsys, monkeypatch)
+def test_parameters_picture_layout_needles_and_material(design: Path, cli: Cli) -> None:
+    done = cli(["report", str(design)])
     assert done.status == 0, done.err
     assert "layout 1:1; shape: by the preview" in done.out
     text, image = page(design.with_name("d-report.pdf"))
@@ -82,7 +91,7 @@ def test_parameters_picture_layout_needles_and_material(design: Path, capsys, mo
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("blank_pictures")
-def test_results_of_the_design_are_used_and_others_refused(design: Path, tmp_path: Path, capsys, monkeypatch) -> None:
+def test_results_of_the_design_are_used_and_others_refused(design: Path, tmp_path: Path, cli: Cli) -> None:
     plan = load_design(design)
     shape = preview(plan, load_law(None))
     summary = {
@@ -94,7 +103,7 @@ def test_results_of_the_design_are_used_and_others_refused(design: Path, tmp_pat
         "warnings": ["it passes through itself (12 pairs of triangles)", "1 of 19 stars of the exact shape are not up"],
     }
     write_results(replace(shape, summary=summary), tmp_path / "d")
-    done = command(["report", str(design), "-o", str(tmp_path / "r.pdf")], capsys, monkeypatch)
+    done = cli(["report", str(design), "-o", str(tmp_path / "r.pdf")])
     assert "by the exact model" in done.out
     text, _ = page(tmp_path / "r.pdf")
     assert "height 12.34 mm" in text and "Not an equilibrium" in text and "mesh error about 1.7 %" in text
@@ -105,42 +114,42 @@ def test_results_of_the_design_are_used_and_others_refused(design: Path, tmp_pat
 
     # they may be from another start, or mesh
     design.write_text(DESIGN + "[solver]\nseed = 3\n")
-    done = command(["report", str(design), "-o", str(tmp_path / "r.pdf")], capsys, monkeypatch)
+    done = cli(["report", str(design), "-o", str(tmp_path / "r.pdf")])
     assert "by the exact model" in done.out
 
     design.write_text(DESIGN.replace("8.0", "7.0"))
-    refused = command(["report", str(design), "--results", str(tmp_path / "d")], capsys, monkeypatch)
+    refused = cli(["report", str(design), "--results", str(tmp_path / "d")])
     assert refused.status == 2 and "--results" in refused.line and "of this design" in refused.line
 
 
 @pytest.mark.usefixtures("blank_pictures")
 @pytest.mark.slow
-def test_sheets_that_hang_and_sizes_that_are_rounded_are_on_the_page(design: Path, capsys, monkeypatch) -> None:
+def test_sheets_that_hang_and_sizes_that_are_rounded_are_on_the_page(design: Path, cli: Cli) -> None:
     middle = "points_mm = [[-10, 0], [10, 0], [0, 12]]\nscale = 0.76\n"
     design.write_text(DESIGN.split("[[pins]]")[0].replace("0.4", "0.38") + "[[pins]]\n" + middle)
-    assert command(["report", str(design)], capsys, monkeypatch).status == 0
+    assert cli(["report", str(design)]).status == 0
     text, _ = page(design.with_name("d-report.pdf"))
     low = preview(load_design(design)).positions[:, 2].min()
     assert f"hangs {-low:.1f} mm below its base" in text and low < -0.5
     assert "thickness 0.4 mm after rounding" in text and "as drawn, before rounding" in text
     # a design that is what the printer makes has a page without such lines
-    assert command(["export", str(design), "-o", str(design.with_name("out"))], capsys, monkeypatch).status == 0
+    assert cli(["export", str(design), "-o", str(design.with_name("out"))]).status == 0
     rounded = design.with_name("out") / "rounded.toml"
-    assert command(["report", str(rounded), "-o", str(rounded.with_name("r.pdf"))], capsys, monkeypatch).status == 0
+    assert cli(["report", str(rounded), "-o", str(rounded.with_name("r.pdf"))]).status == 0
     text, _ = page(rounded.with_name("r.pdf"))
     assert "thickness 0.4, width" in text and "in place of" not in text and "as drawn" not in text
 
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("blank_pictures")
-def test_what_decides_the_shape_is_on_the_page(design: Path, tmp_path: Path, capsys, monkeypatch) -> None:
+def test_what_decides_the_shape_is_on_the_page(design: Path, tmp_path: Path, cli: Cli) -> None:
     """Weight and sides of stars too; and a needle in the middle keeps its dot beside its number."""
     middle = "[[pins]]\npoints_mm = [[0, 0]]\nslide = 'z'\n[gravity]\non = true\n[fabric]\nmodulus_mpa = 1.0\n"
     design.write_text(DESIGN.replace("thickness_mm = 0.4", "thickness_mm = 0.4\nbranch = 'down'") + middle)
     shape = preview(load_design(design))
     summary = {"design": load_design(design).to_dict(), "height_mm": 5.0, "is_minimum": True}
     write_results(replace(shape, summary=summary), tmp_path / "d")
-    done = command(["report", str(design)], capsys, monkeypatch)
+    done = cli(["report", str(design)])
     assert done.status == 0, done.err
     text, image = page(design.with_name("d-report.pdf"))
     for words in ("weight along (0, 0, -1)", " down"):
@@ -152,29 +161,27 @@ def test_what_decides_the_shape_is_on_the_page(design: Path, tmp_path: Path, cap
 
 
 @pytest.mark.slow
-def test_needles_along_which_the_sheet_slides_stand_at_a_place_without_a_height(
-    design: Path, capsys, monkeypatch
-) -> None:
+def test_needles_along_which_the_sheet_slides_stand_at_a_place_without_a_height(design: Path, cli: Cli) -> None:
     """Without fabric bending there is no preview, and so no shape that says it."""
     sliding = DESIGN.replace("scale = 0.7", 'scale = 0.7\nslide = "z"')
     design.write_text(sliding + '[fabric]\nbending = "none"\n')
-    assert command(["report", str(design)], capsys, monkeypatch).status == 0
+    assert cli(["report", str(design)]).status == 0
     assert "1: printed (-52.0, -35.0), stands at (-36.4, -24.5, slides)" in page(design.with_name("d-report.pdf"))[0]
 
 
 @pytest.mark.slow
-def test_without_a_law_there_is_no_picture(design: Path, capsys, monkeypatch) -> None:
+def test_without_a_law_there_is_no_picture(design: Path, cli: Cli) -> None:
     design.write_text(DESIGN + '[fabric]\nbending = "none"\n')
-    done = command(["report", str(design)], capsys, monkeypatch)
+    done = cli(["report", str(design)])
     assert done.status == 0 and "no picture" in done.line and "fabric.bending" in done.line
     text, image = page(design.with_name("d-report.pdf"))
     assert "not known: this design has no preview" in text
     assert image[300:1200, 150:1950].min() == 255
     # a law is for fabric that bends
-    refused = command(["report", str(design), "--law", str(PAPER_LAW)], capsys, monkeypatch)
+    refused = cli(["report", str(design), "--law", str(PAPER_LAW)])
     assert refused.status == 2 and "fabric.bending" in refused.line
     design.write_text(DESIGN)
-    done = command(["report", str(design), "--law", str(PAPER_LAW)], capsys, monkeypatch)
+    done = cli(["report", str(design), "--law", str(PAPER_LAW)])
     assert done.status == 0 and "by the preview" in done.out
 
 
@@ -187,22 +194,22 @@ def test_without_a_law_there_is_no_picture(design: Path, capsys, monkeypatch) ->
         (["--results", "nowhere"], "nowhere"),
     ],
 )
-def test_mistakes(words: list[str], problem: str, design: Path, capsys, monkeypatch) -> None:
-    done = command(["report", str(design), *words], capsys, monkeypatch)
+def test_mistakes(words: list[str], problem: str, design: Path, cli: Cli) -> None:
+    done = cli(["report", str(design), *words])
     assert done.status == 2 and problem in done.line
     assert [file.name for file in design.parent.iterdir()] == ["d.toml"]
 
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("blank_pictures")
-def test_sheets_larger_than_the_printer_have_a_page(design: Path, tmp_path: Path, capsys, monkeypatch) -> None:
+def test_sheets_larger_than_the_printer_have_a_page(design: Path, tmp_path: Path, cli: Cli) -> None:
     """And doubts of a preview are on it, as many as there is room for."""
     design.write_text(DESIGN.replace("[104.0, 70.0]", "[400.0, 70.0]"))
     warnings = [f"warning {k}: " + "word " * 30 for k in range(5)]
     plan = load_design(design)
     shape = preview(plan, load_law(None))
     write_results(replace(shape, summary=dict(shape.summary) | {"warnings": warnings}), tmp_path / "d")
-    done = command(["report", str(design), "-o", str(tmp_path / "r.pdf")], capsys, monkeypatch)
+    done = cli(["report", str(design), "-o", str(tmp_path / "r.pdf")])
     assert done.status == 0, done.err
     text, _ = page(tmp_path / "r.pdf")
     assert "LARGER than the Ultimaker 2+ can print" in text
@@ -211,15 +218,61 @@ def test_sheets_larger_than_the_printer_have_a_page(design: Path, tmp_path: Path
 
 @pytest.mark.slow
 @pytest.mark.usefixtures("blank_pictures")
-def test_a_law_that_is_given_makes_the_preview(design: Path, tmp_path: Path, capsys, monkeypatch) -> None:
+def test_a_law_that_is_given_makes_the_preview(design: Path, tmp_path: Path, cli: Cli) -> None:
     """What lies beside the design may be of another law; a given one is not for results."""
     plan = load_design(design)
     shape = preview(plan, load_law(None))
     write_results(replace(shape, summary={**shape.summary, "height_mm": 77.7}), tmp_path / "d")
     words = ["report", str(design), "-o", str(tmp_path / "r.pdf")]
     for given, told in (([], True), (["--law", str(PAPER_LAW)], False)):
-        assert command([*words, *given], capsys, monkeypatch).status == 0
+        assert cli([*words, *given]).status == 0
         text, _ = page(tmp_path / "r.pdf")
         assert ("height 77.70 mm" in text) == told and "law paper, stretch 1.35, edges of 1.0189 mm" in text
-    both = command([*words, "--law", str(PAPER_LAW), "--results", str(tmp_path / "d")], capsys, monkeypatch)
+    both = cli([*words, "--law", str(PAPER_LAW), "--results", str(tmp_path / "d")])
     assert both.status == 2 and "--law: is for a new preview" in both.line
+
+
+CROSS = Design.from_dict(
+    {
+        "name": "cross",
+        "rods": {"draw": [{"line_mm": [(-10, 0), (10, 0)]}, {"line_mm": [(0, -10), (0, 10)], "thickness_mm": 0.5}]},
+        "border": {"rectangle_mm": (24.0, 24.0)},
+        "mesh": {"edge_mm": 4.0},
+    }
+)
+
+
+def test_the_facts_are_those_of_the_rods() -> None:
+    job = prepare(CROSS, load_printer("ultimaker2"), load_plastic("tpu95a"))
+    facts = design_facts(job, {}, "not known")
+    assert "Stars" not in facts
+    assert facts["Rods"][:3] == ["4 between nodes, 40 mm in all", "joints: 1", "thickness 0.3 to 0.5, width 1.2 mm"]
+
+
+@pytest.mark.slow
+def test_the_page_shows_the_exact_shape_or_says_why_it_has_no_picture(tmp_path: Path) -> None:
+    said: list[str] = []
+    assert report(CROSS, tmp_path / "without.pdf", say=said.append).shape is None
+    without = "the page has no picture: rods.motif: is missing: lines that do not repeat have no law"
+    assert said == [f"{without}; use the exact model: asterism simulate first"]
+    write_results(exact_shape(CROSS), tmp_path / "cross")
+    written = report(CROSS, tmp_path / "with.pdf", beside=tmp_path / "cross")
+    assert written.shape is not None and written.source == "by the exact model"
+    words = " ".join(pdf_words(tmp_path / "with.pdf", 0))
+    assert "40 mm in all" in words and "Exact, mesh error" in words
+
+
+@pytest.mark.slow
+def test_colours_of_few_pixels_are_kept() -> None:
+    """A cream sheet in all shades, with a corner of its back and a red point where it is held."""
+    shade = np.linspace(0.5, 1.0, 400)[:, None] * np.linspace(0.8, 1.0, 600)
+    image = np.ones((400, 600, 4))
+    image[..., :3] = shade[..., None] * PLASTIC_SIDE
+    image[:8, :8, :3] = PINS
+    image[-8:, -8:, :3] = FABRIC_SIDE
+    image[200:, :50, 3] = 0.0  # white
+    found = np.asarray(Image.open(BytesIO(png(image))).convert("RGB"), dtype=float)[::-1] / 255.0
+    assert np.abs(found[2:6, 2:6] - PINS).max() < 0.04
+    assert np.abs(found[-6:-2, -6:-2] - FABRIC_SIDE).max() < 0.04
+    assert (found[210:, :40] == 1.0).all()
+    assert np.abs(found - np.where(image[..., 3:] > 0.0, image[..., :3], 1.0)).max() < 0.05

@@ -16,6 +16,7 @@ from asterism.equilibrium.linear.backends import BACKENDS, Backend, available, m
 from asterism.equilibrium.linear.factor import Factor
 from asterism.equilibrium.linear.pardiso import PardisoFactor
 from asterism.equilibrium.linear.sparse_pattern import SparsePattern
+from asterism.previews.solve import WatchedFactor
 
 SIDE = 12
 
@@ -242,3 +243,22 @@ def test_a_package_without_its_shared_library_is_not_available(monkeypatch: pyte
     with pytest.raises(BackendError, match="backend: 'pardiso' is not available: mkl_rt not found"):
         make_factor(PATTERN, "pardiso")
     assert make_factor(PATTERN).name != "pardiso"
+
+
+def test_watch_is_called_and_may_raise() -> None:
+    pattern = SparsePattern([np.array([[0, 1], [1, 2]])], 3, np.arange(3))
+    data = pattern.assemble([np.array([[2.0, -1.0, 2.0], [2.0, -1.0, 2.0]])])
+    calls: list[int] = []
+    factor = make_factor(pattern, "superlu")
+    watched = WatchedFactor(factor, lambda: calls.append(len(calls)))
+    assert watched.name == factor.name and watched.factorise(data)
+    b = np.arange(3.0)
+    assert np.array_equal(watched.solve(b), factor.solve(b)) and len(calls) == 2
+
+    def stop() -> None:
+        raise KeyboardInterrupt
+
+    watched.watch = stop
+    with pytest.raises(KeyboardInterrupt):
+        watched.factorise(data)
+    watched.close()

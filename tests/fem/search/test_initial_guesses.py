@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -11,17 +13,20 @@ from asterism.fem.elements.deformation import affine, flat
 from asterism.fem.search.guess_builder import GuessBuilder
 from asterism.fem.search.initial_guesses import (
     MAX_ENERGY_RATIO,
+    SYMMETRY_BREAKING_ANGLE,
     candidate_shapes,
+    distinct_shapes,
+    energy_minima,
     initial_guesses,
 )
-from asterism.fem.search.mean_fields import mean_fields
+from asterism.fem.search.mean_fields import MeanFields, mean_fields
 from asterism.fem.search.relax import relax
 from asterism.fem.search.simple_shapes import SimpleShape
 from asterism.fem.shell.density import Density, isotropic
 from asterism.fem.shell.fields import of_stretch
 from asterism.fem.shell.shell import Shell
 from asterism.fem.supports.conditions import EdgeSupport
-from tests.fem.hexagons import FIELDS, RADIUS, hexagon
+from tests.fem.hexagons import FIELDS, RADIUS, density, hexagon
 from tests.fem.meshes import facets_where, rectangle
 
 
@@ -73,3 +78,81 @@ def test_supported_guesses_of_high_energy_are_left_out(relaxed: list[tuple[float
     kinds, _ = initial_guesses(shell, shell.factor(), candidates=[*caps, *tight])
     assert {start.shape.name for start in kinds} == {"flat", "cap"}
     assert all(energy <= MAX_ENERGY_RATIO * least for energy, least in relaxed)
+
+
+FAMILY = [SimpleShape("arc", 0.015, np.pi * number / 12) for number in range(12)]
+THIRD = 2.0 * np.pi / 3.0
+TURN = np.array([[np.cos(THIRD), -np.sin(THIRD)], [np.sin(THIRD), np.cos(THIRD)]])
+
+
+@pytest.mark.parametrize(("sixfold", "angles"), [(100.0, (30.0, 90.0, 150.0)), (-100.0, (0.0, 60.0, 120.0))])
+def test_every_axis_of_the_lattice_is_an_energy_minimum(sixfold: float, angles: tuple[float, ...]) -> None:
+    shell = Shell(Argyris(hexagon(1)), of_stretch(density(sixfold), 0.8, 0.015))
+    found = [np.degrees(shape.angle) for shape in energy_minima(shell, 0.8, FAMILY)]
+    assert sorted(found) == pytest.approx(angles)
+
+
+def test_an_isotropic_sheet_is_bent_away_from_symmetry_axes() -> None:
+    shell = Shell(Argyris(hexagon(1)), of_stretch(density(), 0.8, 0.015))
+    (only,) = energy_minima(shell, 0.8, FAMILY)
+    assert only.angle == SYMMETRY_BREAKING_ANGLE
+
+
+def test_equal_axes_count_once() -> None:
+    first, *others = (SimpleShape("arc", 0.015, np.radians(angle)) for angle in (30.0, 90.0, 150.0))
+    assert distinct_shapes(first, others, []) == others
+    assert distinct_shapes(first, others, [TURN, TURN.T]) == []
+    # the mirror y -> -y maps 30 to 150 degrees, and 90 to itself
+    assert distinct_shapes(first, others, [np.diag([1.0, -1.0])]) == [others[0]]
+
+
+def test_other_axes_are_other_forms() -> None:
+    """A sheet that prefers lattice lines may roll about three axes; the lowest minimum is taken."""
+    fields = of_stretch(density(100.0), 0.8, lambda p: 0.015 + 0.004 * (p @ np.array([0.8, 0.6])) / RADIUS)
+    shell = Shell(Argyris(hexagon(1)), fields)
+    lowest = relax(shell)
+    energies = [trial.energy for trial in lowest.trials if trial.is_minimum]
+    assert len(energies) == 3
+    assert np.ptp(energies) > 1e-3 * lowest.energy
+    for trial in lowest.trials:
+        assert shell.energy(trial.x) == pytest.approx(trial.energy)
+    assert lowest.energy == min(trial.energy for trial in lowest.trials)
+    assert lowest.is_minimum and len(lowest.soft_modes) == 3
+
+
+SIZE = 2.0 * RADIUS
+
+
+def test_a_modulus_of_gaussian_curvature_does_not_change_arcs() -> None:
+    plain = mean_fields(Shell(Argyris(hexagon(1)), FIELDS["rolled"]))
+    bending = float(np.asarray(FIELDS["rolled"].density.stiffness)[3, 3])  # type: ignore[union-attr]
+    saving = mean_fields(Shell(Argyris(hexagon(1)), replace(FIELDS["rolled"], gaussian=-0.7 * bending)))
+    assert saving.poisson == pytest.approx(plain.poisson)
+    arcs = [
+        [shape.curvature for shape in candidate_shapes(wants, SIZE) if shape.name == "arc"] for wants in (plain, saving)
+    ]
+    assert arcs[0] and arcs[1] == pytest.approx(arcs[0])
+
+
+def test_mean_curvature_of_a_sheared_metric() -> None:
+    """The mean curvature is half the trace of `a^-1 b` in any coordinates."""
+    a, b = np.array([[0.7, 0.15], [0.15, 0.6]]), np.array([[0.02, 0.012], [0.012, -0.005]])
+    fields = replace(FIELDS["rolled"], metric=a[[0, 1, 0], [0, 1, 1]], curvature=b[[0, 1, 0], [0, 1, 1]])
+    wants = mean_fields(Shell(Argyris(hexagon(1)), fields))
+    assert wants.curvature == pytest.approx(0.5 * np.trace(np.linalg.solve(a, b)))
+    assert wants.stretch == pytest.approx(np.linalg.det(a) ** 0.25)
+
+
+def test_an_unknown_side_is_refused() -> None:
+    with pytest.raises(ValueError, match="side = 'sideways': must be auto, up, down"):
+        candidate_shapes(MeanFields(np.zeros(2), 0.8, 0.0, 0.01, 0.3, np.inf), SIZE, "sideways")  # type: ignore[arg-type]
+
+
+def test_the_metric_of_a_sphere_gives_its_cap_for_any_rest_curvature() -> None:
+    gaussian = (1.0 / SIZE) ** 2
+    for bend in (0.1 / SIZE, 3.0 / SIZE):
+        wants = MeanFields(np.zeros(2), 0.8, gaussian, bend, 0.3, np.inf)
+        caps = [shape.curvature for shape in candidate_shapes(wants, SIZE) if shape.name == "cap"]
+        assert min(abs(cap - np.sqrt(gaussian)) for cap in caps) < 1e-12
+        kinds = {shape.name for shape in candidate_shapes(wants, SIZE)}
+        assert ("bent" in kinds) == (bend > 1.0 / SIZE)

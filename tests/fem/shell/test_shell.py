@@ -12,8 +12,10 @@ from skfem import MeshTri
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.errors import BackendError
 from asterism.fem.elements.argyris import Argyris
+from asterism.fem.shell.assembly import Assembly, MatrixReduction
 from asterism.fem.shell.density import Density, isotropic
-from asterism.fem.shell.fields import of_stretch
+from asterism.fem.shell.fields import FieldError, Fields, of_stretch
+from asterism.fem.shell.hyperelastic import MIN_C, MIN_DET_C, hyperelastic
 from asterism.fem.shell.shell import Shell
 from asterism.fem.supports.conditions import EdgeSupport, PointSupport, vertices_at
 from asterism.fem.supports.loads import area_load
@@ -109,3 +111,79 @@ def test_mass_of_a_supported_sheet() -> None:
     scalar = at.T @ sp.diags_array(shell.assembly.weights.ravel()) @ at
     full = shell.reduction.map.T @ sp.kron(scalar, sp.identity(3)) @ shell.reduction.map
     assert abs(shell.mass - full).max() < 1e-12 * abs(full).max()
+
+
+PLATE = Density(isotropic(20.0, 10.0, 0.3))
+POINTS = np.zeros((2, 3, 2))
+
+
+def test_rest_values_have_the_components_of_the_strains() -> None:
+    """Half of the metric, and twice both components 12."""
+    rest = Fields(PLATE, (1.1, 0.9, 0.1), (0.01, 0.02, 0.003)).rest(POINTS)
+    np.testing.assert_allclose(rest, np.broadcast_to([0.55, 0.45, 0.1, 0.01, 0.02, 0.006], (2, 3, 6)))
+
+
+def test_curvature_is_that_of_the_contracted_sheet() -> None:
+    rest = of_stretch(PLATE, 0.8, 0.02).rest(POINTS)
+    np.testing.assert_allclose(rest, np.broadcast_to([0.32, 0.32, 0.0, 0.0128, 0.0128, 0.0], (2, 3, 6)))
+
+
+@pytest.mark.parametrize("metric", [(-1.0, -1.0, 0.0), (1.0, 1.0, 1.0), (0.0, 0.0, 0.0), (1.0, 1.0, -1.1)])
+def test_metrics_that_are_not_positive_definite_are_refused(metric: tuple[float, float, float]) -> None:
+    with pytest.raises(FieldError, match="is not positive definite"):
+        Fields(PLATE, metric).rest(POINTS)
+
+
+@pytest.mark.parametrize("stretch", [0.0, -0.8])
+def test_stretches_that_are_not_positive_are_refused(stretch: float) -> None:
+    with pytest.raises(FieldError, match="is not positive definite"):
+        of_stretch(PLATE, stretch).rest(POINTS)
+
+
+def full(pattern, data) -> np.ndarray:  # type: ignore[no-untyped-def]
+    low = pattern.lower(data).toarray()
+    return low + np.tril(low, -1).T
+
+
+def test_restriction_is_the_triple_product() -> None:
+    element = Argyris(rectangle(2, 2))
+    assembly = Assembly(element.tabulate(4), element.size)
+    random = np.random.default_rng(1)
+    size = 3 * element.size
+    free = np.sort(random.choice(size, size - 40, replace=False))
+    columns = sp.lil_matrix((size, len(free)))
+    columns[free, np.arange(len(free))] = 1.0
+    for row in np.setdiff1d(np.arange(size), free)[:30]:  # some depend on others, some are held
+        columns[row, random.choice(len(free), 3, replace=False)] = random.standard_normal(3)
+    columns = columns.tocsr()
+    reduced = MatrixReduction(assembly.pattern, columns)
+    data = random.standard_normal(assembly.pattern.nnz)
+    exact = columns.T @ full(assembly.pattern, data) @ columns
+    assert np.allclose(full(reduced.pattern, reduced(data)), exact)
+    assert (np.diff(reduced.pattern.indptr) > 0).all()
+    assert (reduced.pattern.indices[reduced.pattern.diagonal] == np.arange(len(free))).all()
+
+
+def test_without_supports_matrices_are_not_copied() -> None:
+    element = Argyris(rectangle(2, 2))
+    assembly = Assembly(element.tabulate(4), element.size)
+    reduced = MatrixReduction(assembly.pattern, sp.identity(3 * element.size, format="csr"))
+    assert reduced.pattern is assembly.pattern
+    data = np.ones(assembly.pattern.nnz)
+    assert reduced(data) is data
+
+
+@pytest.mark.parametrize("exponents", [(1.0, 1.0), (1.6, 0.58)])
+@pytest.mark.parametrize("low", [-0.15, -0.6])
+def test_gradient_and_hessian_are_derivatives(low: float, exponents: tuple[float, float]) -> None:
+    strains = np.random.default_rng(0).uniform(low, 0.4, (20, 3))
+    det = (1.0 + 2.0 * strains[:, 0]) * (1.0 + 2.0 * strains[:, 1]) - strains[:, 2] ** 2
+    assert (det < MIN_DET_C).any() == (1.0 + 2.0 * strains[:, :2] < MIN_C).any() == (low < -0.5)
+    mu, lam = np.full(20, 1.3), np.full(20, 0.7)
+    energy, gradient, hessian = hyperelastic(strains, mu, lam, exponents)
+    assert (energy > 0.0).all()
+    for k in range(3):
+        step = 1e-6 * np.eye(3)[k]
+        high, below = (hyperelastic(strains + sign * step, mu, lam, exponents) for sign in (1.0, -1.0))
+        assert (high[0] - below[0]) / 2e-6 == pytest.approx(gradient[:, k], abs=1e-6)
+        assert (high[1] - below[1]) / 2e-6 == pytest.approx(hessian[:, k], rel=1e-6, abs=1e-5)

@@ -2,12 +2,17 @@
 
 import numpy as np
 import pytest
+import scipy.sparse as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from skfem import MeshTri
 
 from asterism.fem.elements.argyris import Argyris
 from asterism.fem.elements.deformation import Deformation, affine, flat
 from asterism.fem.supports.conditions import ConditionError, EdgeSupport, PointSupport, impose_conditions, vertices_at
+from asterism.fem.supports.edge_curve import edge_curve
+from asterism.fem.supports.elimination import Contradiction, eliminate
+from asterism.fem.supports.loads import area_load
 from tests.fem.meshes import annulus, disc, facets_where, rectangle, turned
 from tests.fem.plates import deflection, height, uniform_load
 
@@ -235,3 +240,105 @@ def test_a_shift_along_edges_stands_for_another_placement() -> None:
     assert np.abs(placed.target - placed.printed).max() > 0.1
     with pytest.raises(ConditionError, match="a clamped edge has no shift"):
         impose_conditions(space, [EdgeSupport(facets, clamped=True, shift=shift)])
+
+
+@settings(max_examples=40)
+@given(st.integers(0, 10**6), st.integers(1, 12), st.integers(0, 5))
+def test_the_map_gives_all_solutions_and_only_these(seed: int, equations: int, repeated: int) -> None:
+    """Sparse equations, some of them combinations of others, with coefficients of any size."""
+    rng = np.random.default_rng(seed)
+    matrix = np.where(rng.uniform(size=(equations, 20)) < 0.15, rng.normal(size=(equations, 20)), 0.0)
+    matrix = np.vstack([matrix, rng.normal(size=(repeated, equations)) @ matrix])
+    right = matrix @ rng.normal(size=(20, 2))
+    size = 10.0 ** rng.uniform(-3, 3, (len(matrix), 1))
+    found = eliminate(sp.csr_matrix(size * matrix), size * right, 1e-8)
+    x = (found.map @ rng.normal(size=len(found.free)))[:, None] + found.constant
+    assert np.allclose(matrix @ x, right, atol=1e-7 * max(np.abs(x).max(), 1.0))
+    rank = np.linalg.matrix_rank(matrix, tol=1e-9)
+    assert len(found.free) == 20 - rank
+    assert np.array_equal(found.map[found.free].toarray(), np.eye(len(found.free)))
+
+
+def test_blocks_without_common_unknowns_are_solved_separately() -> None:
+    matrix = sp.csr_matrix(np.array([[1.0, 2.0, 0, 0, 0], [0, 0, 1.0, -1.0, 0]]))
+    found = eliminate(matrix, np.array([[3.0], [4.0]]), 1e-8)
+    assert len(found.free) == 3
+    assert found.map.nnz == 5
+
+
+@pytest.mark.parametrize(
+    ("rows", "right", "row", "miss"),
+    [
+        ([[1.0, 0.0], [1.0, 0.0]], [0.0, 0.5], (0, 1), 0.25),
+        ([[1.0, 1.0], [2.0, 2.0], [0.0, 0.0]], [1.0, 2.0, 3.0], (2,), 3.0),
+    ],
+)
+def test_contradictions_are_named(rows, right, row: tuple[int, ...], miss: float) -> None:
+    with pytest.raises(Contradiction, match="is off by") as error:
+        eliminate(sp.csr_matrix(np.array(rows)), np.array(right)[:, None], 1e-8)
+    assert error.value.row in row
+    assert error.value.miss == pytest.approx(miss)
+
+
+def test_resultants_and_moments() -> None:
+    """The work of a load on every affine motion: its resultant and its moments."""
+    space = Argyris(rectangle(3, 2, 3.0, 2.0, amount=0.2))
+
+    def work(loads: np.ndarray, matrix: object, offset: tuple[float, ...] = (0.0, 0.0, 0.0)) -> float:
+        return float(np.sum(loads * space.interpolate(affine(matrix, offset).jets)))
+
+    weight = area_load(space, (0.0, 0.0, -0.5))
+    assert work(weight, np.zeros((3, 2)), (1.0, 2.0, 3.0)) == pytest.approx(-0.5 * 6 * 3)
+    assert work(weight, [[0.0, 0], [0, 0], [0.7, -0.2]]) == pytest.approx(-0.5 * 6 * (0.7 * 1.5 - 0.2 * 1.0))
+    linear = area_load(space, lambda p: np.column_stack([p[:, 0], 0 * p[:, 0], 0 * p[:, 0]]))
+    assert work(linear, [[1.0, 0], [0, 0], [0, 0]]) == pytest.approx(9.0 * 2)
+
+
+def test_both_circles_of_an_annulus() -> None:
+    """Tangents and curvatures are exact, on the hole's rim too."""
+    mesh = annulus(16, [1.0, 1.5, 2.0])
+    curve = edge_curve(mesh, mesh.boundary_facets(), 30.0)
+    radius = np.linalg.norm(curve.ends, axis=2)
+    assert np.allclose(np.abs(curve.curvatures), 1.0 / radius)
+    assert np.allclose(np.sum(curve.tangents * curve.ends, axis=2), 0.0, atol=1e-12)
+    left = np.stack([-curve.tangents[..., 1], curve.tangents[..., 0]], axis=-1)
+    # gamma'' = k nu points to the centre
+    assert np.all(curve.curvatures * np.sum(left * curve.ends, axis=2) < 0.0)
+
+
+def test_part_of_a_rim_has_the_tangents_of_the_whole() -> None:
+    mesh = annulus(16, [1.0, 1.5, 2.0])
+    rim = mesh.boundary_facets()
+    whole = edge_curve(mesh, rim, 30.0)
+    part = edge_curve(mesh, rim[[3]], 30.0)
+    assert np.allclose(part.tangents[0], whole.tangents[3])
+    assert np.allclose(part.curvatures[0], whole.curvatures[3])
+
+
+def test_straight_sides_and_corners() -> None:
+    mesh = turned(rectangle(3, 2, 3.0, 2.0), 33.0, (5.0, 7.0))
+    curve = edge_curve(mesh, mesh.boundary_facets(), 30.0)
+    assert not curve.curvatures.any()
+    chord = curve.ends[:, 1] - curve.ends[:, 0]
+    assert np.allclose(curve.tangents, (chord / np.linalg.norm(chord, axis=1, keepdims=True))[:, None])
+
+
+@pytest.mark.parametrize(("corner_deg", "bent"), [(50.0, False), (70.0, True)])
+def test_the_corner_angle_decides(corner_deg: float, bent: bool) -> None:
+    """The corners of a hexagon turn by 60 degrees."""
+    corners = np.array([[np.cos(a), np.sin(a)] for a in np.arange(6) * np.pi / 3])
+    mesh = MeshTri(np.vstack([[0.0, 0.0], corners]).T, np.array([(0, i, i % 6 + 1) for i in range(1, 7)]).T)
+    curve = edge_curve(mesh, mesh.boundary_facets(), corner_deg)
+    assert np.allclose(np.abs(curve.curvatures), 1.0 if bent else 0.0)
+
+
+def test_an_inner_curve_ends_with_its_supported_edges() -> None:
+    """An arc of inner edges: its ends have the circle through the nearest three vertices."""
+    mesh = annulus(24, [1.0, 1.5, 2.0])
+    radius = np.linalg.norm(mesh.p[:, mesh.facets], axis=0)
+    ring = np.flatnonzero(np.ptp(radius, axis=0) < 1e-9)
+    middle = mesh.p[:, mesh.facets[:, ring]].mean(axis=1)
+    arc = ring[(np.abs(np.linalg.norm(middle, axis=0) - 1.5) < 0.05) & (middle[0] > 0.2)]
+    curve = edge_curve(mesh, arc, 30.0)
+    assert len(arc) > 5
+    assert np.allclose(np.abs(curve.curvatures), 1.0 / np.linalg.norm(curve.ends, axis=2))

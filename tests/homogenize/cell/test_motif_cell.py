@@ -12,6 +12,13 @@ from hypothesis import strategies as st
 from asterism.discrete.model.state import State
 from asterism.homogenize.cell.flat_cell import relax_flat_cell
 from asterism.homogenize.cell.free_cell_mesh import motif_cell_mesh
+from asterism.homogenize.cell.motif_responses import (
+    GAUSSIAN,
+    CellComparison,
+    compare_with_larger_cell,
+    completed_by_rods,
+    rod_bending,
+)
 from asterism.homogenize.cell.natural_curvature import trace_tubes
 from asterism.homogenize.cell.periodic_mesh import ImageNumbering, PeriodicMesh
 from asterism.homogenize.cell.rolling import roll_cell, unrolled_flat_cell
@@ -20,6 +27,7 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.rods.motif_graph import motif_graph
+from tests.homogenize.cell.test_motif_closed_forms import stiff
 from tests.homogenize.cells import TURN, cell_of, relaxed_cell, state_away
 from tests.homogenize.cells import design as star_design
 from tests.homogenize.linear_cell import effective_stiffness
@@ -177,3 +185,62 @@ def test_a_line_that_ends_beside_a_copy_of_another_is_refused_with_its_place(kin
     design = Design.from_dict({"rods": rods, "lattice": lattice, "border": {"rings": 1}})
     with pytest.raises(MeshError, match=r"two lines touch at \(.*\) mm: move the end of one away"):
         motif_cell_mesh(motif_graph(design.rods, design.lattice), 1.0)
+
+
+def compared(pattern: Pattern) -> CellComparison:
+    design = motif_design(pattern)
+    return compare_with_larger_cell(design, 2.5, relax_flat_cell(UnitCell(design, 2.5)))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("pattern", [parallel(), grid(), diamonds(), waves(), stars()])
+def test_lines_grids_waves_and_stars_repeat_cell_by_cell(pattern: Pattern) -> None:
+    comparison = compared(pattern)
+    assert comparison.reason is None
+    assert abs(comparison.excess) < 1e-6
+    np.testing.assert_allclose(comparison.larger_stretches, comparison.stretches, atol=1e-5)
+
+
+@pytest.mark.slow
+def test_a_connected_honeycomb_has_no_law_of_one_cell() -> None:
+    comparison = compared(honeycomb())
+    assert comparison.excess > 0.1 and comparison.reason is not None
+    assert comparison.stretches.min() > 0.99 and comparison.larger_stretches.min() < 0.8
+    assert comparison.reason is not None
+    assert comparison.reason.startswith("the motif has no law of one cell: 2 x 2 cells relax to ")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("pattern", [parallel(5.0), diamonds()], ids=["lines", "diamonds"])
+def test_rods_in_fabric_too_soft_to_count_are_the_linear_cell(pattern: Pattern) -> None:
+    """In all entries: the fabric has no tension, so that the cell can be cut anywhere."""
+    design = stiff(pattern)
+    cell = UnitCell(design, 1.5)
+    flat = relax_flat_cell(cell)
+    expected = effective_stiffness(cell, flat).stiffness[3:, 3:]
+    np.testing.assert_allclose(rod_bending(design, flat.deformation), expected, atol=0.012 * expected.max())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["grid", "diamonds"])
+def test_the_work_of_gaussian_curvature_depends_on_the_cut_and_nothing_else_does(name: str) -> None:
+    """Rods of a tense cell that stand for images elsewhere: another multiple of det K, the same tubes."""
+    cell, flat = relaxed_cell(name)
+    mesh = cell.mesh
+    points = np.zeros((mesh.n_base, 2), dtype=np.int64)
+    rods = np.random.default_rng(2).integers(-2, 3, size=(len(mesh.rods), 2))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("asterism.homogenize.cell.free_cell_mesh.motif_cell_mesh", lambda *_: recut(mesh, points, rods))
+        other = cell_of(name)
+    here, there = (
+        effective_stiffness(one, state).stiffness for one, state in ((cell, flat), (other, relax_flat_cell(other)))
+    )
+    part = there[3:, 3:][0, 1] - here[3:, 3:][0, 1]
+    assert abs(part) > here[3, 3]
+    changed = np.zeros((6, 6))
+    changed[3:, 3:] = part * GAUSSIAN
+    np.testing.assert_allclose(there - here, changed, atol=1e-4 * np.abs(here).max())
+    alone = rod_bending(cell.design, flat.deformation)
+    bending = [completed_by_rods(each[3:, 3:], alone) for each in (here, there)]
+    np.testing.assert_allclose(bending[0], bending[1], atol=1e-3 * bending[0].max())
+    assert np.linalg.eigvalsh(bending[0])[0] > 0.0

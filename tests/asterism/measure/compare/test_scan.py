@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+import struct
+import time
 from pathlib import Path
 
 import numpy as np
@@ -131,3 +134,189 @@ def test_units_are_recognised(size: float, unit: str, says: str) -> None:
 @pytest.mark.parametrize("size", [30.0, 100.0, 190.0])
 def test_parts_and_surroundings_pass(size: float) -> None:
     check_size(Path("a.obj"), size, 100.0, "mm")
+
+
+HEAD = "ply\nformat ascii 1.0\nelement vertex 12\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
+
+
+POINTS = [f"{x} {y} {0.1 * x * y}" for x in range(4) for y in range(3)]
+VERTICES = "".join(f"v {point}\n" for point in POINTS)
+TRIANGLE = VERTICES + "f 1 2 3\n"
+CLOUD = HEAD + "\n".join(POINTS) + "\n"
+FACES_OF_PLY = "element face 2\nproperty list uchar int vertex_indices\nend_header"
+FACED = CLOUD.replace("end_header", FACES_OF_PLY) + "3 0 1 4\n"
+LOOP = "solid a\nfacet normal 0 0 1\nouter loop\n{}endloop\nendfacet\nendsolid a"
+NORMALS = np.random.default_rng(0).normal(size=(20, 12))
+STL = bytes(80) + struct.pack("<I", 20) + b"".join(struct.pack("<12fH", *row, 0) for row in NORMALS)
+BINARY = HEAD.replace("ascii", "binary_little_endian").encode() + np.zeros(30, dtype="<f4").tobytes()
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "expected"),
+    [
+        # three short lines of two numbers make two vertices for a parser that only counts numbers
+        *(
+            ("a.obj", VERTICES + n * f"{line}\n", "line 13")
+            for line in ("v 1 2", "v 1", "v", "v 1 2 x")
+            for n in (1, 3)
+        ),
+        ("a.obj", TRIANGLE + "f 0 1 2", "line 14: the face has the vertex 0, but vertices are numbered from 1 to 12"),
+        ("a.obj", TRIANGLE + "f 1 2 13", "line 14: the face has the vertex 13"),
+        ("a.obj", TRIANGLE + "f 1 -13 2", "line 14: the face has the vertex -13"),
+        ("a.obj", TRIANGLE + "f 1 x 2", "line 14: 'x' is no number of a vertex"),
+        ("a.obj", TRIANGLE + "f 1 2", "line 14: a face needs 3 corners, not 2"),
+        ("a.ply", FACED + "3 0 1", "face 2: has 3 numbers, the file announces 4"),
+        ("a.ply", FACED + "3 0 x 1", "face 2: 'x' is not a number"),
+        ("a.ply", CLOUD.replace("float y", "flooat y"), "'flooat'; there are char, uchar"),
+        ("a.ply", BINARY, "cannot be read as HEAD: the file is damaged or cut short"),
+        ("a.ply", HEAD + "\n".join(POINTS[:7]), "7 of 12"),
+        ("a.ply", HEAD + "\n".join([*POINTS[:-1], "1 2"]), "vertex 12"),
+        ("a.stl", LOOP.format("vertex 0 0 0\nvertex 1 0 x\nvertex 0 1 0\n"), "line 5: 'x' is not a number"),
+        ("a.stl", LOOP.format("vertex 0 0 0\nvertex 1 0 0\n"), "line 6: a triangle needs 3"),
+        ("a.stl", STL[:500], "8 of 20 triangles"),
+    ],
+)
+def test_what_is_damaged_is_named_with_its_place(
+    name: str, content: str | bytes, expected: str, tmp_path: Path
+) -> None:
+    (tmp_path / name).write_bytes(content if isinstance(content, bytes) else content.encode())
+    with pytest.raises(ScanError, match=re.escape(expected)):
+        read_scan(tmp_path / name)
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "vertices", "triangles"),
+    [
+        ("textures-and-backwards.obj", TRIANGLE + "f 4/1/1 5//2 -1", 12, 2),
+        ("colours.obj", VERTICES.replace("\n", " 0.5 0.5 0.5\n"), 12, 0),
+        ("a.ply", CLOUD, 12, 0),
+        ("faces.ply", FACED + "3 1 2 5\n", 12, 2),
+        ("a.stl", STL, 60, 20),
+    ],
+)
+def test_what_is_whole_is_read(name: str, content: str | bytes, vertices: int, triangles: int, tmp_path: Path) -> None:
+    (tmp_path / name).write_bytes(content if isinstance(content, bytes) else content.encode())
+    scan = read_scan(tmp_path / name)
+    assert (scan.vertices, scan.triangles) == (vertices, triangles)
+
+
+GRID = np.array([(9.0 * x, 9.0 * y, 0.1 * x * y) for x in range(5) for y in range(5)])
+FACES = np.array([(5 * x + y, 5 * x + y + 5, 5 * x + y + 6) for x in range(4) for y in range(4)])
+
+
+def obj_text(begin: str = "", face: str = "f {} {} {}", end: str = "\n") -> bytes:
+    lines = [begin, *("v {} {} {}".format(*place) for place in GRID), *(face.format(*f) for f in FACES + 1)]
+    return end.join([*lines, ""]).encode("latin-1")
+
+
+def ply_text(end: str = "\n", blank: str = " ", comment: str = "comment Gr\xf6\xdfe") -> bytes:
+    head = ["ply", "format ascii 1.0", comment, f"element vertex {len(GRID)}", "property float x", "property float y"]
+    head += ["property float z", f"element face {len(FACES)}", "property list uchar int vertex_indices", "end_header"]
+    lines = [*head, *("{} {} {}".format(*p) for p in GRID), *("3 {} {} {}".format(*f) for f in FACES)]
+    return end.join([line.replace(" ", blank) for line in lines] + [""]).encode("latin-1")
+
+
+def ply_binary(end: bytes = b"\n", order: str = "<") -> bytes:
+    name = {"<": b"binary_little_endian", ">": b"binary_big_endian"}[order]
+    head = ply_text().replace(b"ascii", name).partition(b"end_header\n")[0] + b"end_header\n"
+    faces = b"".join(struct.pack(f"{order}B3i", 3, *face) for face in FACES.tolist())
+    return head.replace(b"\n", end) + GRID.astype(f"{order}f4").tobytes() + faces
+
+
+def stl_binary(name: bytes = b"") -> bytes:
+    facets = b"".join(struct.pack("<12fH", 0, 0, 1, *GRID[face].ravel(), 0) for face in FACES)
+    return name.ljust(80, b" ") + struct.pack("<I", len(FACES)) + facets
+
+
+def stl_text(name: str = "a") -> bytes:
+    loops = ["".join("vertex {} {} {}\n".format(*place) for place in GRID[face]) for face in FACES]
+    facets = "".join(f"facet normal 0 0 1\nouter loop\n{loop}endloop\nendfacet\n" for loop in loops)
+    return f"solid {name}\n{facets}endsolid {name}\n".encode("latin-1")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "content"),
+    [
+        ("comment.obj", obj_text("# Gr\xf6\xdfe")),
+        ("group.obj", obj_text("mtllib Gr\xfcn.mtl\no Fl\xe4che\nusemtl Gr\xfcn")),
+        ("wrapped.obj", obj_text(face="f {} \\\n {} {}")),
+        ("wrapped-in-windows.obj", obj_text(face="f {} {} \\\r\n{}", end="\r\n")),
+        ("tabs.obj", obj_text(face="\tf\t{}\t{}\t{}\t")),
+        ("old-mac.obj", obj_text(end="\r")),
+        ("mark.obj", b"\xef\xbb\xbf" + obj_text().lstrip()),
+        ("textures.obj", obj_text("vt 0 0\nvn 0 0 1", face="f {}/1/1 {}/1/1 {}/1/1")),
+        ("comment.ply", ply_text()),
+        ("tabs.ply", ply_text(blank="\t")),
+        ("windows.ply", ply_text(end="\r\n")),
+        ("old-mac.ply", ply_text(end="\r")),
+        ("picture.ply", ply_text(comment="comment TextureFile none.png")),
+        ("trailing.ply", ply_text() + b"1 2 3\n\x1a"),
+        ("binary.ply", ply_binary()),
+        ("binary-windows.ply", ply_binary(b"\r\n")),
+        ("binary-trailing.ply", ply_binary() + bytes(70)),
+        ("binary-big.ply", ply_binary(order=">") + bytes(3)),
+        ("binary.stl", stl_binary()),
+        ("called-solid.stl", stl_binary(b"solid part")),
+        ("trailing.stl", stl_binary() + bytes(70)),
+        ("text.stl", stl_text("Fl\xe4che")),
+        ("text-trailing.stl", stl_text() + bytes(70)),
+        ("tabs.stl", stl_text().replace(b" ", b"\t")),
+    ],
+)
+def test_files_that_programs_write_are_read(name: str, content: bytes, tmp_path: Path) -> None:
+    (tmp_path / name).write_bytes(content)
+    vertices, triangles = read_surface(tmp_path / name)
+    assert np.allclose(vertices[triangles], GRID[FACES], atol=1e-5)
+
+
+def test_faces_count_backwards_from_where_they_stand(tmp_path: Path) -> None:
+    blocks = ["".join(f"v {x} {y} {z}\n" for x, y, z in GRID[face]) + "f -3 -2 -1\n" for face in FACES]
+    (tmp_path / "a.obj").write_text("".join(blocks))
+    vertices, triangles = read_surface(tmp_path / "a.obj")
+    assert np.allclose(vertices[triangles], GRID[FACES])
+
+
+def test_polygons_of_a_binary_ply_may_differ(tmp_path: Path) -> None:
+    head = ply_binary().partition(b"end_header\n")[0].replace(b"face 32", b"face 16")
+    head = head.replace(b"property list", b"property uchar red\nproperty list") + b"end_header\n"
+    faces = [[0, 5, 6, 1], [1, 6, 7], [2, 7, 8, 9, 4]] + [[10, 15, 16]] * (len(FACES) - 3)
+    packed = b"".join(struct.pack(f"<BB{len(face)}i", 9, len(face), *face) for face in faces)
+    (tmp_path / "a.ply").write_bytes(head + GRID.astype("<f4").tobytes() + packed)
+    _, triangles = read_surface(tmp_path / "a.ply")
+    assert sorted(triangles.tolist())[:3] == [[0, 5, 6], [1, 6, 7], [2, 7, 8]] and len(triangles) == 6 + len(FACES) - 3
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        (b"property float x", b"property list uchar float x"),
+        (b"property list uchar int vertex_indices", b"property int vertex_indices"),
+        (b"property float y", b"property float x"),
+        (b"\n3 0 5 6", b"\nnan 0 5 6"),
+        (b"\n3 0 5 6", b"\n3 0 inf 6"),
+        (b"\n3 0 5 6", b"\n3 0 5 99"),
+        (b"element vertex 25", b"element vertex 99999999999"),
+        (b"ascii", b"text"),
+    ],
+)
+@pytest.mark.parametrize("content", [ply_text(), ply_binary()], ids=["text", "binary"])
+def test_odd_headers_and_lists_of_a_ply_end_in_one_line(content: bytes, old: bytes, new: bytes, tmp_path: Path) -> None:
+    (tmp_path / "a.ply").write_bytes(content.replace(old, new, 1))
+    if old in content:
+        with pytest.raises(ScanError, match=r"a\.ply: "):
+            read_surface(tmp_path / "a.ply")
+
+
+def test_a_line_after_wrapped_ones_keeps_its_number(tmp_path: Path) -> None:
+    (tmp_path / "a.obj").write_bytes(obj_text(face="f {} \\\n {} {}") + b"f 1 2 x\n")
+    with pytest.raises(ScanError, match=f"line {1 + len(GRID) + 2 * len(FACES) + 1}: 'x' is no number of a vertex"):
+        read_surface(tmp_path / "a.obj")
+
+
+def test_materials_take_no_time(tmp_path: Path) -> None:
+    faces = "".join(f"usemtl m{k}\nf 1 6 7\n" for k in range(30_000))
+    (tmp_path / "a.obj").write_bytes(obj_text() + faces.encode())
+    start = time.process_time()
+    assert read_scan(tmp_path / "a.obj").triangles == 30_016
+    assert time.process_time() - start < 10.0

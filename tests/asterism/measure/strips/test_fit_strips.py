@@ -18,6 +18,7 @@ from asterism.measure.strips.settings import StripFitSettings
 from asterism.measure.strips.strip_table import Reading
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.materials import Plastic
 from asterism.pattern.design.spread import Spread
 from tests.asterism.commands import Cli, command
 from tests.asterism.measure.strips.synthetic import synthetic_readings
@@ -289,3 +290,16 @@ def test_simulate_takes_a_material(tmp_path: Path, cli: Cli) -> None:
     summary = json.loads((tmp_path / "out" / "summary.json").read_text())
     assert summary["design"]["plastic"]["modulus_ratio"] == 2000.0
     assert "none.toml" in cli([*words, "none.toml"]).line
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("fabric_mm", [0.8, 0.5])
+def test_a_preview_of_a_measured_fabric(fabric_mm: float, here: Path, cli: Cli) -> None:
+    """Measured strips of another fabric, then one command for the preview of a design."""
+    plastic = Plastic(modulus_ratio=4139.0, kappa_bar_per_mm=0.002)
+    strips = table(synthetic_readings(0, plastic, stretch=1.5, fabric_mm=fabric_mm), here / "strips.csv")
+    assert cli(["strips", "fit", str(strips)]).status == 0
+    assert cli(["new", "dome"]).status == 0
+    done = cli(["preview", "dome.toml", "--material", "material.toml", "-o", "shape"])
+    assert done.status == 0 and "0 outside the law" in done.out
+    assert "stretch 1.5" in done.out and (here / "shape" / "shape.obj").exists()
