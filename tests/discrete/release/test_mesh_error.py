@@ -93,10 +93,10 @@ def test_the_ladder_makes_finer_meshes_when_they_are_needed() -> None:
 
 @pytest.mark.slow
 def test_the_search_ends_within_its_tolerance_and_the_error_is_as_stated() -> None:
-    fine = exact_shape(plate_sheet(tolerance_percent=0.1))
+    fine = exact_shape(plate_sheet(tolerance_percent=0.3))
     coarse = exact_shape(plate_sheet(tolerance_percent=3.0))
     plan = layout(plate_sheet())
-    for shape, tolerance in ((fine, 0.1), (coarse, 3.0)):
+    for shape, tolerance in ((fine, 0.3), (coarse, 3.0)):
         s = shape.summary
         assert s["is_minimum"] and s["mesh_error_percent"] <= s["mesh_tolerance_percent"] == tolerance
         assert mesh_error_in_words(s) == f"about {s['mesh_error_percent']:.1f} % of the diameter"
