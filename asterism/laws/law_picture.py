@@ -18,7 +18,7 @@ from asterism.homogenize.law.axes import AXES
 from asterism.homogenize.law.motif_law import MotifLaw
 from asterism.homogenize.law.plan import Size, stretch_text
 from asterism.homogenize.law.star_law import QUANTITY_NAMES, StarLaw, StarTable
-from asterism.homogenize.law.tensor_forms import TO_VOIGT, SheetTensors
+from asterism.homogenize.law.tensor_forms import TO_VOIGT, SheetTensors, plane_matrix
 
 STAR_CHARTS = {
     "lam": "length over printed length, flat",
@@ -275,8 +275,7 @@ def values_along(tensors: SheetTensors, axes: Floats) -> dict[str, Floats]:
 
 def stretch_axes(metric: Floats) -> Floats:
     """(n, 2, 2) unit vectors along the smaller stretch of metrics (n, 3), and across it; x and y if both are equal."""
-    xx, yy, xy = metric.T
-    squares, columns = np.linalg.eigh(np.stack([np.stack([xx, xy], -1), np.stack([xy, yy], -1)], -2))
+    squares, columns = np.linalg.eigh(plane_matrix(metric))
     axes = np.swapaxes(columns, -1, -2)
     axes[np.ptp(squares, axis=-1) < EVEN_SQUARES] = np.eye(2)
     return axes

@@ -168,7 +168,7 @@ def _along(places: Floats, rows: Floats, asked: Floats) -> Floats:
     if len(places) == 1:
         return np.repeat(rows, len(asked), axis=0)
     inner = np.clip(asked, places[0], places[-1])
-    out = HermiteGrid([places], rows, ["monotone"] * rows.shape[1])(inner[:, None])[0]
+    out = HermiteGrid([places], rows, ["monotone"] * rows.shape[1])(inner[:, None])
     for two, beyond in (((0, 1), asked < places[0]), ((-1, -2), asked > places[-1])):
         end, next_one = two
         slope = (rows[end] - rows[next_one]) / (places[end] - places[next_one])

@@ -1,4 +1,4 @@
-"""Interpolation on a grid: cubic along each axis, with exact first derivatives.
+"""Interpolation on a grid: cubic along each axis, with continuous first derivatives.
 
 In every box of the grid a function is the tensor product of cubic Hermite polynomials. The slopes at the nodes come
 from the data along grid lines. With the rule "monotone" the function is monotone along
@@ -40,9 +40,8 @@ class HermiteGrid:
     Examples
     --------
     >>> grid = HermiteGrid([np.array([0.0, 1.0, 2.0])], np.array([[0.0], [1.0], [4.0]]), ["smooth"])
-    >>> value, slope = grid(np.array([[1.5]]))
-    >>> value, slope
-    (array([[2.25]]), array([[[3.]]]))
+    >>> grid(np.array([[1.5]]))
+    array([[2.25]])
     """
 
     def __init__(self, axes: Sequence[Floats], values: Floats, rules: Sequence[SlopeRule]) -> None:
@@ -103,31 +102,16 @@ class HermiteGrid:
             out &= known[tuple((lower + side).T)]
         return out
 
-    def __call__(self, points: Floats) -> tuple[Floats, Floats]:
-        """Values (N, Q) and first derivatives (N, A, Q) at points (N, A) within the grid."""
+    def __call__(self, points: Floats) -> Floats:
+        """Values (N, Q) at points (N, A) within the grid."""
         number, place = self.box(points)
-        basis, slope = _cubics(place)
-        index = np.unravel_index(number, self.boxes)
-        count = len(self.axes)
-        for axis, nodes in enumerate(self.axes):
-            slope[:, axis] /= np.diff(nodes)[index[axis]][:, None]
-        weights = np.empty((len(points), count + 1, 4**count))
-        for row in range(count + 1):  # row 0: values; row a + 1: derivative along axis a
-            factors = [slope[:, axis] if row == axis + 1 else basis[:, axis] for axis in range(count)]
-            tensor = factors[-1]
-            for factor in factors[-2::-1]:
-                tensor = (factor[:, :, None] * tensor[:, None, :]).reshape(len(points), -1)
-            weights[:, row] = tensor
-        both = weights @ self._coefficients[number]
-        return both[:, 0], both[:, 1:]
-
-
-def _cubics(t: Floats) -> tuple[Floats, Floats]:
-    """(N, A, 4) cubic Hermite polynomials at t (N, A): values at 0 and 1, slopes at 0 and 1; and their derivatives."""
-    u = 1 - t
-    values = np.stack([(1 + 2 * t) * u * u, (1 + 2 * u) * t * t, t * u * u, -u * t * t], axis=-1)
-    slopes = np.stack([-6 * t * u, 6 * t * u, u * (1 - 3 * t), t * (3 * t - 2)], axis=-1)
-    return values, slopes
+        t, u = place.T, 1 - place.T
+        # of the values at 0 and 1, and of the slopes there
+        factors = np.stack([(1 + 2 * t) * u * u, (1 + 2 * u) * t * t, t * u * u, -u * t * t], axis=-1)
+        weights = factors[-1]
+        for factor in factors[-2::-1]:
+            weights = (factor[:, :, None] * weights[:, None, :]).reshape(len(points), -1)
+        return np.asarray((weights[:, None] @ self._coefficients[number])[:, 0])
 
 
 def node_slopes(nodes: Floats, values: Floats, axis: int, rule: SlopeRule) -> Floats:

@@ -1,9 +1,8 @@
 """The law: the homogenised constitutive law of a pattern, as smooth functions of its sizes.
 
 A law belongs to one material, one lattice and one edge length of the mesh, and to stars (`star_law`) or to one motif of
-drawn rods (`motif_law`). It has one table for each stretch: stored forms of its cells on a grid of sizes, with
-derivatives by the sizes. A table never extrapolates: outside its range, and next to cells without an answer, it marks
-its values.
+drawn rods (`motif_law`). It has one table for each stretch: stored forms of its cells on a grid of sizes. A table never
+extrapolates: outside its range, and next to cells without an answer, it marks its values.
 """
 
 from __future__ import annotations
@@ -96,21 +95,13 @@ class LawTable(ABC):
         is_known = self._grid(slice(0, 0), ()).is_known(self._places(self._clipped(sizes)), self._known)
         return np.asarray(self._within(sizes).all(axis=1) & (is_known | self._is_bare(sizes)))
 
-    def interpolated(self, sizes: Floats, block: slice, rules: Sequence[SlopeRule]) -> tuple[Floats, Floats]:
-        """Stored forms (N, k) of a block of columns at sizes (N, A), and their derivatives (N, A, k) by the sizes.
+    def interpolated(self, sizes: Floats, block: slice, rules: Sequence[SlopeRule]) -> Floats:
+        """Stored forms (N, k) of a block of columns at sizes (N, A).
 
-        Outside the range they are those of the nearest sizes in it, and derivatives across the range are zero. Between
-        the bare fabric and the shortest arms of a law that begins far from it, they are those of the curve that joins
-        both.
+        Outside the range they are those of the nearest sizes in it. Between the bare fabric and the shortest arms of a
+        law that begins far from it, they are those of the curve that joins both.
         """
-        clipped = self._clipped(sizes)
-        value, slope = self._grid(block, rules)(self._places(clipped))
-        slope = slope[:, : len(self.plan.sizes)]
-        for number, size in enumerate(self.plan.sizes):
-            if size.axis.logarithmic:
-                slope[:, number] /= clipped[:, number, None]
-        slope *= (self._within(sizes) & np.array([len(nodes) > 1 for nodes in self.plan.axis_nodes], bool))[:, :, None]
-        return value, slope
+        return self._grid(block, rules)(self._places(self._clipped(sizes)))
 
     def beyond(self, sizes: Floats) -> tuple[str, float, str] | None:
         """Name and value of the first of sizes (A,) outside the range, and the range in words; None inside."""

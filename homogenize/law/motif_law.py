@@ -9,18 +9,15 @@ from numpy.typing import ArrayLike
 
 from asterism.equilibrium.arrays import Bools, Floats
 from asterism.homogenize.errors import LawError
-from asterism.homogenize.law.hermite_grid import SlopeRule
 from asterism.homogenize.law.law import CellErrors, Law, LawTable
 from asterism.homogenize.law.plan import LawPlan
-from asterism.homogenize.law.tensor_forms import STORED_SIZE, SheetTensors, tensors_of_stored
+from asterism.homogenize.law.tensor_forms import STORED_SIZE, SheetTensors, plane_matrix, tensors_of_stored
 from asterism.pattern.design.design import Design, leading_field
 from asterism.pattern.design.sizing.profiles import Profile
 
 # errors in percent: of the length of the flat sheet, of energies, and of the largest curvature
 MOTIF_QUANTITIES = ("stretch", "membrane", "bending", "curvature")
 MIN_CURVATURE = 1e-9  # 1/mm, of a sheet that does not curl
-_COLUMNS = slice(0, STORED_SIZE)
-_RULES: list[SlopeRule] = ["spline"] * STORED_SIZE
 
 
 @dataclass(frozen=True)
@@ -30,8 +27,6 @@ class MotifValues(SheetTensors):
     """
 
     inside: Bools  # (n,) False outside the range of the law. Values there are those of the nearest sizes in the range.
-    # derivatives of the three by the A sizes of the plan: arrays with an axis of A after the first.
-    slopes: SheetTensors
     outside: tuple[str, ...] = ()  # one line for each place outside the range
 
 
@@ -52,13 +47,13 @@ class MotifTable(LawTable):
 
     def __call__(self, sizes: Floats) -> MotifValues:
         """The law at sizes (n, A) mm."""
-        tensors, slopes = tensors_of_stored(*self.interpolated(sizes, _COLUMNS, _RULES))
-        return MotifValues(tensors.metric, tensors.stiffness, tensors.curvature, self.inside(sizes), slopes)
+        tensors = tensors_of_stored(self.interpolated(sizes, slice(0, STORED_SIZE), ["spline"] * STORED_SIZE))
+        return MotifValues(tensors.metric, tensors.stiffness, tensors.curvature, self.inside(sizes))
 
     def errors(self, sizes: Floats, stored: Floats) -> CellErrors:
         values = self(sizes)
-        cells = tensors_of_stored(stored, np.empty((len(stored), 0, STORED_SIZE)))[0]
-        return CellErrors(tensor_errors(values, cells), values.inside, np.zeros(len(sizes), bool), {}, {})
+        percent = tensor_errors(values, tensors_of_stored(stored))
+        return CellErrors(percent, values.inside, np.zeros(len(sizes), bool), {}, {})
 
 
 @dataclass(frozen=True)
@@ -102,9 +97,8 @@ class MotifLaw(Law[MotifTable]):
 
     def _at(self, table: MotifTable, design: Design, sizes: Floats) -> MotifValues:
         values, scale = table(sizes), self.modulus_ratio(design)
-        slopes = replace(values.slopes, stiffness=scale * values.slopes.stiffness)
         outside = tuple(self._why_outside(table, sizes[place]) for place in np.flatnonzero(~values.inside))
-        return replace(values, stiffness=scale * values.stiffness, slopes=slopes, outside=outside)
+        return replace(values, stiffness=scale * values.stiffness, outside=outside)
 
     def _why_outside(self, table: MotifTable, sizes: Floats) -> str:
         """One line about sizes (A,) without a law; it begins with the field of a design."""
@@ -148,19 +142,15 @@ def tensor_errors(law: SheetTensors, cell: SheetTensors) -> Floats:
     >>> tensor_errors(law, cell).round(2)
     array([[1., 1., 1., 1.]])
     """
-    metric, known = (_matrix(each.metric) for each in (law, cell))
+    metric, known = (plane_matrix(each.metric) for each in (law, cell))
     errors = [np.abs(np.sqrt(_ratios(metric, known)) - 1.0).max(axis=-1)]
     for part in (slice(0, 3), slice(3, 6)):
         errors.append(np.abs(_ratios(law.stiffness[:, part, part], cell.stiffness[:, part, part]) - 1.0).max(axis=-1))
     apart, size = (
-        np.linalg.norm(_matrix(each), axis=(1, 2)) for each in (law.curvature - cell.curvature, cell.curvature)
+        np.linalg.norm(plane_matrix(each), axis=(1, 2)) for each in (law.curvature - cell.curvature, cell.curvature)
     )
     errors.append(apart / np.maximum(size, MIN_CURVATURE))
     return 100.0 * np.stack(errors, axis=-1)
-
-
-def _matrix(entries: Floats) -> Floats:
-    return entries[..., [0, 2, 2, 1]].reshape(*entries.shape[:-1], 2, 2)
 
 
 def _ratios(ours: Floats, known: Floats) -> Floats:

@@ -1,4 +1,4 @@
-"""The law of stars: its quantities as functions of a star's sizes, with their derivatives.
+"""The law of stars: its quantities as functions of a star's sizes.
 
 Curvatures are positive with the plastic on the outside. Stiffnesses are per area of the print, which is the area of the
 stretched fabric.
@@ -7,7 +7,7 @@ stretched fabric.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Literal
 
@@ -66,9 +66,8 @@ class LawValues:
     """The law at N stars."""
 
     value: dict[str, Floats]  # (N,) for each of `QUANTITY_NAMES`
-    slope: dict[str, Floats]  # (N, A) derivatives by the sizes of `axes.AXES`, for each of `QUANTITY_NAMES`
     inside: Bools  # (N,) False outside the range of the law, see `LawTable.interpolated`
-    outside: tuple[str, ...]  # one line for each star outside the range
+    outside: dict[int, str]  # for each star outside the range why it is, in words
     # (N,) True if a sheet of such stars curls to a radius below two thirds of their spacing (`MAX_SEPARATED_CURL`). The
     # values are those of the cell, but a sheet whose stars differ need not follow them: the stated accuracy of the law
     # ends here.
@@ -109,14 +108,12 @@ class StarTable(LawTable):
         sizes : length, thickness and width in mm (the order of `axes.AXES`), each (N,) or a number.
         """
         asked = self.rows(sizes)
-        stored, slope = self.interpolated(asked, _QUANTITIES, _RULES)
-        slope *= _rate(stored, self.spacing_mm)[:, None]
-        value, inside = from_stored(stored, self.spacing_mm), self.inside(asked)
+        value = from_stored(self.interpolated(asked, _QUANTITIES, _RULES), self.spacing_mm)
+        inside = self.inside(asked)
         return LawValues(
             {name: value[:, q] for q, name in enumerate(QUANTITY_NAMES)},
-            {name: slope[:, :, q] for q, name in enumerate(QUANTITY_NAMES)},
             inside,
-            tuple(self._why_outside(int(n), asked[n]) for n in np.flatnonzero(~inside)),
+            {int(star): self._why_outside(asked[star]) for star in np.flatnonzero(~inside)},
             self.is_tight(value[:, _KAPPA]),
         )
 
@@ -138,10 +135,7 @@ class StarTable(LawTable):
         return self._smooth(sizes, len(QUANTITIES), len(QUANTITIES) + anisotropy_size(self.plan.design))
 
     def _smooth(self, sizes: Sequence[ArrayLike], start: int, stop: int) -> Floats:
-        rows, rules = self.rows(sizes), list[SlopeRule](["smooth"] * (stop - start))
-        if not rules:
-            return np.empty((len(rows), 0))
-        return self._grid(slice(start, stop), rules)(self._places(self._clipped(rows)))[0]
+        return self.interpolated(self.rows(sizes), slice(start, stop), ["smooth"] * (stop - start))
 
     def is_tight(self, kappa: Floats) -> Bools:
         """(...) whether stars of these natural curvatures are not scale-separated."""
@@ -162,12 +156,12 @@ class StarTable(LawTable):
             dict(zip(QUANTITY_NAMES, cells.T, strict=True)),
         )
 
-    def _why_outside(self, star: int, sizes: Floats) -> str:
+    def _why_outside(self, sizes: Floats) -> str:
         if (beyond := self.beyond(sizes)) is not None:
             name, size, covered = beyond
-            return f"star {star}: {name} = {size:g} is outside the law's {covered}"
+            return f"{name} = {size:g} is outside the law's {covered}"
         place = ", ".join(f"{key} = {size:g}" for key, size in self.plan.named(sizes).items())
-        return f"star {star}: no cell was solved near {place}"
+        return f"no cell was solved near {place}"
 
 
 def to_stored(rows: Floats, spacing_mm: float) -> Floats:
@@ -183,12 +177,6 @@ def from_stored(stored: Floats, spacing_mm: float) -> Floats:
     return unit * np.where(
         _LOG, np.exp(np.where(_LOG, stored, 0.0)), np.where(_ASINH, np.sinh(np.where(_ASINH, stored, 0.0)), stored)
     )
-
-
-def _rate(stored: Floats, spacing_mm: float) -> Floats:
-    """Derivative of `from_stored`."""
-    unit = np.where(_ASINH, SMALL_CURL / spacing_mm, 1.0)
-    return unit * np.where(_LOG, np.exp(np.where(_LOG, stored, 0.0)), np.cosh(np.where(_ASINH, stored, 0.0)))
 
 
 @dataclass(frozen=True)
@@ -223,14 +211,8 @@ class StarLaw(Law[StarTable]):
         (array([3.314]), True)
         """
         values, scale = self.check(design)(*sizes), self.modulus_ratio(design)
-        factor = {name: scale if quantity.per_modulus else 1.0 for name, quantity in QUANTITIES.items()}
-        return LawValues(
-            {name: value * factor[name] for name, value in values.value.items()},
-            {name: slope * factor[name] for name, slope in values.slope.items()},
-            values.inside,
-            values.outside,
-            values.not_scale_separated,
-        )
+        scaled = {name: scale * values.value[name] for name, quantity in QUANTITIES.items() if quantity.per_modulus}
+        return replace(values, value=values.value | scaled)
 
     def corrugation(self, design: Design, *sizes: ArrayLike) -> Floats:
         """(N, 2, W) `StarTable.corrugation` for the stars of a design, which may be turned by half a turn."""

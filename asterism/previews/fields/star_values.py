@@ -96,7 +96,7 @@ def star_values(design: Design, layout: Layout, law: StarLaw, model: PreviewMode
         for number, (x, y) in zip(layout.star_number, layout.centres, strict=True)
     ]
     _check(layout, where, {name: values.value[name][:-1] for name in QUANTITY_NAMES})
-    outside = tuple(_placed(line, where) for line in values.outside)
+    outside = tuple(f"{where[star]}: {why}" for star, why in values.outside.items())
     differs = law.anisotropy(design, *asked.T)
     anisotropy = differs.copy()
     if differs.shape[1] and not design.fabric.is_directional:
@@ -150,12 +150,6 @@ def _tip_heights(design: Design, law: StarLaw, length: Floats, corrugation: Floa
     arms = np.asarray(lattice.arm_directions)
     waves = law.waves((reach[:, None] * arms[:, None]).reshape(-1, 2)).reshape(len(arms), len(reach), -1)
     return np.einsum("nkw,nw->nk", corrugation, waves.mean(axis=0))
-
-
-def _placed(line: str, where: Sequence[str]) -> str:
-    """A line of the law about a star, with the number and place of the star."""
-    head, text = line.split(": ", 1)
-    return f"{where[int(head.split()[1])]}: {text}"
 
 
 def _check(layout: Layout, where: Sequence[str], value: dict[str, Floats]) -> None:

@@ -178,7 +178,7 @@ def test_only_cells_around_the_stars_are_solved() -> None:
     assert len(tasks) <= 5 < len(plan.tasks())
     table = fitted(plan, fake.solve_cell, tasks).at(1.35)
     assert table(*sizes.T).inside.all()
-    assert not table(7.0, 0.45, 1.2).inside[0] and "no cell was solved" in table(7.0, 0.45, 1.2).outside[0]
+    assert "no cell was solved" in table(7.0, 0.45, 1.2).outside[0]
     whole = fitted(plan, fake.solve_cell).at(1.35)
     for name in ("lam", "kappa", "bending"):
         assert table(*sizes.T).value[name] == pytest.approx(whole(*sizes.T).value[name], rel=0.02)

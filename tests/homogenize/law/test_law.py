@@ -80,24 +80,6 @@ def test_cells_of_the_plan_are_met_exactly() -> None:
 
 
 @pytest.mark.slow
-@given(st.floats(0.1, 11.9), st.floats(0.21, 0.59), st.floats(0.81, 1.59))
-@settings(max_examples=60)
-def test_slopes_are_derivatives(length: float, thickness: float, width: float) -> None:
-    sizes = np.array([length, thickness, width])
-    table, step = LAW.at(1.35), 1e-5
-    nearest = min(np.abs(axis - x).min() for axis, x in zip(table.plan.axis_nodes, sizes, strict=True))
-    if nearest < 2 * step:  # second derivatives jump there
-        return
-    found = table(*sizes)
-    for axis in range(3):
-        more, less = (table(*(sizes + sign * step * np.eye(3)[axis])) for sign in (1, -1))
-        for name in QUANTITY_NAMES:
-            slope = (more.value[name] - less.value[name]) / (2 * step)
-            scale = 1e-4 * (1 + np.abs(found.value[name]) + np.abs(found.slope[name]).max())
-            assert np.abs(slope - found.slope[name][:, axis]) < scale, name
-
-
-@pytest.mark.slow
 @given(st.lists(st.floats(0, 1), min_size=4, max_size=9), st.floats(0, 1), st.floats(0, 1))
 @settings(max_examples=60)
 def test_monotone_along_lines_of_the_grid(steps: list[float], a: float, b: float) -> None:
@@ -108,8 +90,8 @@ def test_monotone_along_lines_of_the_grid(steps: list[float], a: float, b: float
     grid = HermiteGrid([np.arange(float(len(steps))), np.arange(3.0), np.arange(2.0)], values[..., None], ["monotone"])
     along = np.linspace(0, len(steps) - 1, 101)
     for j in range(3):
-        found, slope = grid(np.column_stack([along, np.full(101, float(j)), np.zeros(101)]))
-        assert np.diff(found[:, 0]).min() >= -1e-12 and slope[:, 0, 0].min() >= -1e-12
+        found = grid(np.column_stack([along, np.full(101, float(j)), np.zeros(101)]))
+        assert np.diff(found[:, 0]).min() >= -1e-12
         assert values[:, j, 0].min() - 1e-12 <= found.min() and found.max() <= values[:, j, 0].max() + 1e-12
 
 
@@ -119,12 +101,14 @@ def test_neighbouring_boxes_join_smoothly() -> None:
     grid = HermiteGrid(axes, rng.random((4, 3, 3, 2)), ["monotone", "smooth"])
     for axis, node in ((0, 1.0), (0, 3.0), (1, 2.0), (2, 1.0)):
         points = rng.random((20, 3)) * [4, 3, 4]
-        sides = []
-        for nudge in (-1e-9, 1e-9):
-            points[:, axis] = node + nudge
-            sides.append(grid(points))
-        assert np.abs(sides[0][0] - sides[1][0]).max() < 1e-7
-        assert np.abs(sides[0][1] - sides[1][1]).max() < 1e-6
+        step, values = 1e-6, []
+        for steps in (-2, -1, 1, 2):
+            points[:, axis] = node + steps * step
+            values.append(grid(points))
+        far_before, before, after, far_after = values
+        assert np.abs(after - before).max() < 1e-4
+        # second derivatives jump there
+        assert np.abs((far_after - after) - (before - far_before)).max() < 1e-4 * step
 
 
 @pytest.mark.parametrize(
@@ -139,12 +123,14 @@ def test_neighbouring_boxes_join_smoothly() -> None:
 )
 def test_out_of_range_is_said_and_clamped(sizes: tuple[float, float, float], word: str) -> None:
     good = (5.0, 0.3, 1.0)
-    values = LAW.at(1.35)(*np.transpose([good, sizes, good]))
+    table = LAW.at(1.35)
+    values = table(*np.transpose([good, sizes, good]))
     assert values.inside.tolist() == [True, False, True]
-    assert len(values.outside) == 1 and values.outside[0].startswith("star 1: ") and word in values.outside[0]
-    assert all(np.isfinite(v).all() for v in values.value.values())
-    axis = ["length", "thickness", "width"].index(word.split("_")[0])
-    assert (values.slope["kappa"][1, axis] == 0).all()
+    assert list(values.outside) == [1] and values.outside[1].startswith(word)
+    nearest = table(*np.clip(np.nan_to_num(sizes), *table.plan.limits))
+    assert {name: v[1] for name, v in values.value.items()} == pytest.approx(
+        {name: v[0] for name, v in nearest.value.items()}, rel=1e-12
+    )
 
 
 @pytest.mark.parametrize("lengths", [[9.0], [9.0, 10.0]])
@@ -153,8 +139,8 @@ def test_one_length_answers_for_itself_and_not_for_shorter_arms(lengths: list[fl
     values = own.at(1.35)([0.0, 9.0, 5.0, 9.0, 9.0], [0.3, 0.3, 0.3, 0.31, 0.3], [1.2, 1.2, 1.2, 1.2, 1.3])
     assert values.inside.tolist() == [True, True, False, False, False]
     its = "9" if len(lengths) == 1 else "9 to 10"
-    assert values.outside[0].endswith(f"length_mm = 5 is outside the law's {its}")
-    assert values.outside[1].endswith("thickness_mm = 0.31 is outside the law's 0.3")
+    assert values.outside[2] == f"length_mm = 5 is outside the law's {its}"
+    assert values.outside[3] == "thickness_mm = 0.31 is outside the law's 0.3"
     cell = fake.solve_cell(design(stars__length_mm=9.0, stars__thickness_mm=0.3, stars__width_mm=1.2), 2.0).data
     assert values.value["lam"][1] == pytest.approx(cell["lam"], rel=1e-12)
     assert values.value["kappa"][1] == pytest.approx(cell["natural_curvature"][0], rel=1e-12)
@@ -444,7 +430,7 @@ def test_foreign_designs_are_refused_with_what_differs(change: dict[str, Any], w
 def test_stiffness_follows_the_modulus() -> None:
     soft, hard = (LAW.evaluate(design(fabric__modulus_mpa=e), 7.0, 0.3, 1.0) for e in (7.1875, 14.375))
     assert hard.value["bending"] == pytest.approx(2 * soft.value["bending"])
-    assert hard.slope["a11"] == pytest.approx(2 * soft.slope["a11"])
+    assert hard.value["a11"] == pytest.approx(2 * soft.value["a11"])
     assert hard.value["kappa"] == soft.value["kappa"] and hard.value["lam"] == soft.value["lam"]
 
 

@@ -1,4 +1,4 @@
-"""The law of a motif: nodes, derivatives, range, files, refusals."""
+"""The law of a motif: nodes, range, files, refusals."""
 
 from __future__ import annotations
 
@@ -46,10 +46,6 @@ def parts(values: MotifValues) -> list[np.ndarray]:
     return [values.metric, values.stiffness, values.curvature]
 
 
-def slopes(values: MotifValues) -> list[np.ndarray]:
-    return [values.slopes.metric, values.slopes.stiffness, values.slopes.curvature]
-
-
 def test_nodes_have_the_tensors_of_their_cells(law: MotifLaw) -> None:
     sheet = design(THICKNESS, WIDTH)
     for task in law.plan.tasks():
@@ -65,16 +61,6 @@ def test_errors_are_those_of_the_held_out_cells(law: MotifLaw) -> None:
     stated = law.residuals["1.35"]["held_out"]
     assert stated["count"] == 4
     assert all(0.0 < stated["errors"][name]["largest_percent"] < 0.2 for name in ("membrane", "bending", "curvature"))
-
-
-def test_slopes_are_derivatives(law: MotifLaw) -> None:
-    sheet, step = design(THICKNESS, WIDTH), 1e-6
-    sizes = np.array([[0.43, 1.13], [0.5, 0.93], [0.57, 1.5]])
-    here = slopes(law.evaluate(sheet, *sizes.T))
-    for axis in range(2):
-        ahead, behind = (parts(law.evaluate(sheet, *(sizes + side * step * np.eye(2)[axis]).T)) for side in (1, -1))
-        for a, b, slope in zip(ahead, behind, here, strict=True):
-            np.testing.assert_allclose(slope[:, axis], (a - b) / (2 * step), rtol=1e-5, atol=1e-6 * np.abs(slope).max())
 
 
 def test_stiffnesses_are_positive_definite_between_cells(law: MotifLaw) -> None:
@@ -97,7 +83,6 @@ def test_outside_the_range_the_nearest_sizes_count(law: MotifLaw) -> None:
     assert values.inside.tolist() == [False, True]
     assert values.outside == ("rods.thickness_mm = 0.3: is outside the law's 0.4 to 0.6",)
     np.testing.assert_allclose(values.stiffness[0], values.stiffness[1])
-    assert not values.slopes.stiffness[0, 0].any() and values.slopes.stiffness[0, 1].any()
 
 
 def test_cells_without_a_law_cut_the_range(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -170,7 +155,6 @@ def test_stiffness_follows_the_modulus(law: MotifLaw) -> None:
     soft, stiff = (design(fabric={"modulus_mpa": modulus}) for modulus in (7.1875, 14.375))
     ours, known = (law.evaluate(each, 0.45, 1.2) for each in (stiff, soft))
     np.testing.assert_allclose(ours.stiffness, 2.0 * known.stiffness)
-    np.testing.assert_allclose(ours.slopes.stiffness, 2.0 * known.slopes.stiffness)
     np.testing.assert_array_equal(ours.curvature, known.curvature)
 
 
