@@ -89,7 +89,6 @@ def test_a_plastic_with_an_empty_line_of_advice(file: Path, tmp_path: Path, run:
         (["--fabric", "0"], "--fabric = 0.0: must be from 0.01 to 50"),
         (["--needle-spacing", "0"], "--needle-spacing = 0.0: must be from 1 to 1000"),
         (["--fabric-set", "-1"], "--fabric-set = -1.0: must be from 0 to 50"),
-        (["--turn", "30"], "--turn = 30.0: must be 0 on a fabric"),
         (["--shape", "nowhere"], "nowhere: is not there"),
         (["--shape", "x", "--simulate"], "--shape: must be the only one"),
         (["--preview", "--simulate"], "--preview: must be the only one"),
@@ -99,6 +98,12 @@ def test_a_mistake_is_one_line_and_leaves_nothing(
     options: list[str], line: str, file: Path, tmp_path: Path, run: Run
 ) -> None:
     assert line in mistake(run("export", "d.toml", "-o", "out", *options))
+    assert [path.name for path in tmp_path.iterdir()] == ["d.toml"]
+
+
+def test_a_fabric_of_two_stretches_is_not_turned(tmp_path: Path, run: Run) -> None:
+    save_design(design(), tmp_path / "d.toml")
+    assert "--turn = 30.0: must be 0 on a fabric" in mistake(run("export", "d.toml", "-o", "out", "--turn", "30"))
     assert [path.name for path in tmp_path.iterdir()] == ["d.toml"]
 
 

@@ -168,7 +168,7 @@ BINARY = HEAD.replace("ascii", "binary_little_endian").encode() + np.zeros(30, d
         ("a.ply", FACED + "3 0 1", "face 2: has 3 numbers, the file announces 4"),
         ("a.ply", FACED + "3 0 x 1", "face 2: 'x' is not a number"),
         ("a.ply", CLOUD.replace("float y", "flooat y"), "'flooat'; there are char, uchar"),
-        ("a.ply", BINARY, "cannot be read as HEAD: the file is damaged or cut short"),
+        ("a.ply", BINARY, "cannot be read as PLY: the file is damaged or cut short"),
         ("a.ply", HEAD + "\n".join(POINTS[:7]), "7 of 12"),
         ("a.ply", HEAD + "\n".join([*POINTS[:-1], "1 2"]), "vertex 12"),
         ("a.stl", LOOP.format("vertex 0 0 0\nvertex 1 0 x\nvertex 0 1 0\n"), "line 5: 'x' is not a number"),
