@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from typing import IO, Any
+from typing import Any
 
 import numpy as np
 from matplotlib import colormaps
@@ -35,19 +34,8 @@ MOTIF_CHARTS = {
 Colour = tuple[float, float, float, float]
 # curvatures up to this one have a linear scale, larger ones a logarithmic scale
 LINEAR_CURVATURE_PER_MM = 2e-3
-# curves of one chart of a motif
-CURVES = 6
-# relative, of a cell's size to a curve's
-SAME_SIZE = 1e-6
 INCHES_A_CHART, INCHES_A_ROW = 4.2, 3.7
 INCHES_ABOVE = 1.2
-# of two squares of principal stretches that count as one
-EVEN_SQUARES = 1e-4
-
-
-def draw_law(law: StarLaw | MotifLaw, path_or_file: str | Path | IO[bytes]) -> None:
-    """Draw a law as PNG."""
-    law_figure(law).savefig(path_or_file, format="png", dpi=100)
 
 
 def law_figure(law: StarLaw | MotifLaw) -> Figure:
@@ -211,7 +199,7 @@ def _cells(law: MotifLaw, sizes: Floats) -> list[dict[str, Any]]:
         each["sample"]
         for each in law.samples
         if each["sample"] is not None
-        and np.allclose([each[name] for name in law.plan.names], sizes, rtol=SAME_SIZE, atol=0.0)
+        and np.allclose([each[name] for name in law.plan.names], sizes, rtol=1e-6, atol=0.0)
     ]
 
 
@@ -228,8 +216,8 @@ def _middle(size: Size) -> float:
 
 
 def _some(nodes: tuple[float, ...]) -> tuple[float, ...]:
-    """The first and the last node, and others between them."""
-    chosen = np.linspace(0, len(nodes) - 1, min(len(nodes), CURVES)).round().astype(int)
+    """The first and the last node, and up to four others between them."""
+    chosen = np.linspace(0, len(nodes) - 1, min(len(nodes), 6)).round().astype(int)
     return tuple(nodes[number] for number in chosen)
 
 
@@ -277,5 +265,5 @@ def stretch_axes(metric: Floats) -> Floats:
     """(n, 2, 2) unit vectors along the smaller stretch of metrics (n, 3), and across it; x and y if both are equal."""
     squares, columns = np.linalg.eigh(plane_matrix(metric))
     axes = np.swapaxes(columns, -1, -2)
-    axes[np.ptp(squares, axis=-1) < EVEN_SQUARES] = np.eye(2)
+    axes[np.ptp(squares, axis=-1) < 1e-4] = np.eye(2)
     return axes

@@ -24,8 +24,6 @@ from asterism.results.words import table_lines
 # rms over the held-out cells, above which a law warns
 MAX_HELD_OUT_ERROR_PERCENT = 5.0
 CHECKED_QUANTITIES = {"kappa": "curvature", "curvature": "curvature", "bending": "bending stiffness"}
-# characters of a label in the first lines
-LABEL_COLUMN = 11
 
 
 def law_record(law: Law[Any]) -> LawRecord:
@@ -58,7 +56,7 @@ def law_record(law: Law[Any]) -> LawRecord:
 
 def law_lines(law: Law[Any]) -> list[str]:
     """The law as lines of text."""
-    lines = table_lines(law_record(law).table(), LABEL_COLUMN)
+    lines = table_lines(law_record(law).table(), 11)
     for table in law.tables:
         lines += _errors(law, table)
     said = [f"  {line}" for line in (directions_warning(law), held_out_warning(law)) if line]
@@ -139,7 +137,7 @@ def show_law(path: Path | None, output: Path | None) -> list[str]:
     LawError
         The file is not a law, or has another format.
     """
-    from asterism.laws.law_picture import draw_law  # imports matplotlib, which takes long
+    from asterism.laws.law_picture import law_figure  # imports matplotlib, which takes long
 
     law = load_law(path or PAPER_LAW)
     # the folder of a design's results has the design's name
@@ -147,7 +145,7 @@ def show_law(path: Path | None, output: Path | None) -> list[str]:
     directory = output or (path or Path("paper.npz")).with_name(own)
     check_writable(directory)
     with staged_result(directory) as folder:
-        draw_law(law, folder / "law.png")
+        law_figure(law).savefig(folder / "law.png", dpi=100)
         text = json.dumps(law_record(law).to_json(), indent=1, allow_nan=False) + "\n"
         (folder / "summary.json").write_text(text, encoding="utf-8")
     return [*law_lines(law), f"{directory}: law.png, summary.json"]

@@ -21,9 +21,6 @@ from asterism.homogenize.law.plan import CellTask, LawPlan
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError, MeshError
 
-# so many cells are solved in this process
-FEW_CELLS = 3
-
 
 class CellAnswer(Protocol):
     """What the solution of a cell gives; a cell without an answer raises ArithmeticError."""
@@ -42,7 +39,6 @@ class SampleRecord:
     label: str  # the cell, for messages
     sample: dict[str, Any] | None  # the responses as plain data; None for a cell without an answer
     failed: str | None  # why the cell has no answer, or does not stand for a sheet, in one line
-    crashed: bool  # the reason is an unforeseen exception. The next run tries such a cell again.
     seconds: float  # wall time of the cell
 
 
@@ -92,11 +88,11 @@ def run_campaign(
 
     def record(task: CellTask, outcome: Outcome) -> SampleRecord:
         failed = outcome.failed or next(iter((outcome.sample or {}).get("doubts", ())), None)
-        return SampleRecord(task, plan.label(task), outcome.sample, failed, outcome.crashed, outcome.seconds)
+        return SampleRecord(task, plan.label(task), outcome.sample, failed, outcome.seconds)
 
     outcomes = kept.outcomes(
         [inputs[task] for task in cells],
-        lambda count: workers_for(count, jobs, dask, FEW_CELLS),
+        lambda count: workers_for(count, jobs, dask, few=3),
         _solve_one,
         [(solve, designs[task], plan.edge_mm, code_version()) for task in cells],
         lambda number, outcome: record(cells[number], outcome),

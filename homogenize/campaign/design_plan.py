@@ -38,8 +38,6 @@ EDGES_PER_SPACING = 17
 LENGTH_STEP = 1 / 12
 # of the nodes of all sizes of a motif together
 MAX_CELLS = 2000
-# random cells that test the law of a motif of more than one size
-HELD_OUT_CELLS = 4
 
 
 def plan_for_design(
@@ -65,13 +63,8 @@ def plan_for_design(
     thickness_mm (0, 1) (0.4, 0.4472, 0.5)
     width_mm (0, 1) (1.2,)
     """
-    if (refused := without_law(design)) is not None:
-        raise refused
-    sheet = layout or layout_of(design)
-    if design.rods is None and not sheet.has_stars:
-        raise DesignError("stars", "must be at least one: bare fabric needs no law")
     empty = LawPlan(design, _groups(design), (), 0.0)
-    return plan_for_sizes(design, empty.sizes_on(design, sheet), known, edge_mm)
+    return plan_for_sizes(design, empty.sizes_on(design, layout or layout_of(design)), known, edge_mm)
 
 
 def plan_for_sizes(
@@ -122,7 +115,7 @@ def plan_for_sizes(
     if rods is not None and (count := math.prod(len(size.nodes) for size in chosen)) > MAX_CELLS:
         raise DesignError("rods.motif", f"has {varies} sizes that vary, and its law {count} cells; {MAX_CELLS} at most")
     sx, sy = design.fabric.stretch_xy
-    held_out = HELD_OUT_CELLS if rods is not None and varies else 0
+    held_out = 4 if rods is not None and varies else 0  # random cells that test the law of a motif
     return LawPlan(_cell(design, chosen), chosen, (sx if math.isclose(sx, sy) else (sx, sy),), edge, held_out)
 
 

@@ -76,10 +76,6 @@ def _summary(table: LawTable, percent: Floats) -> dict[str, dict[str, float]]:
     }
 
 
-# of the largest bending stiffness, at least
-MIN_STIFFNESS_RATIO = 0.01
-
-
 def fit_law(plan: LawPlan, records: Sequence[SampleRecord], made: dict[str, Any] | None = None) -> StarLaw | MotifLaw:
     """The law of a campaign. The same records give the same numbers.
 
@@ -208,33 +204,23 @@ def sample_quantities(sample: dict[str, Any], stretch: Stretch) -> Floats:
 
 def _star_cell(plan: LawPlan, record: SampleRecord) -> _Cell:
     """Quantities, differences between directions and corrugation of a star's cell, in their interpolated forms."""
-    problem, sample = _star_problem(record), record.sample
-    if problem is not None or sample is None:
-        return _Cell(None, problem or "no answer")
+    sample = record.sample
+    if record.failed is not None or sample is None:
+        return _Cell(None, record.failed or "no answer")
+    bump = float(np.array(sample["natural_bump_mm"], dtype=float).min())
+    if sample["length_mm"] > 0 and not bump > 0:
+        return _Cell(None, f"the star is not up: bump {bump:.3g} mm")
+    quantities = sample_quantities(sample, record.task.stretch)
+    for name, value in zip(QUANTITY_NAMES, quantities, strict=True):
+        if not np.isfinite(value) or (QUANTITIES[name].form == "log" and value <= 0):
+            return _Cell(None, f"{name} = {value:.3g} is no answer")
     lattice, bare = plan.design.lattice, record.task.is_bare
     columns = anisotropy_size(plan.design)
     is_alike = not columns or (bare and not plan.design.fabric.is_directional)
     anisotropy = np.zeros(columns) if is_alike else sample_anisotropy(sample)
     corrugation = np.array(sample["relief"], dtype=float).ravel()
-    quantities = to_stored(_quantities(record, sample), lattice.spacing_mm)
-    return _Cell(np.concatenate([quantities, anisotropy, np.where(bare, 0.0, corrugation)]), None)
-
-
-def _star_problem(record: SampleRecord) -> str | None:
-    """Why the fit cannot use a sample, in one line; None if it can."""
-    if record.failed is not None or record.sample is None:
-        return record.failed or "no answer"
-    bump = float(np.array(record.sample["natural_bump_mm"], dtype=float).min())
-    if record.sample["length_mm"] > 0 and not bump > 0:
-        return f"the star is not up: bump {bump:.3g} mm"
-    for name, value in zip(QUANTITY_NAMES, _quantities(record, record.sample), strict=True):
-        if not np.isfinite(value) or (QUANTITIES[name].form == "log" and value <= 0):
-            return f"{name} = {value:.3g} is no answer"
-    return None
-
-
-def _quantities(record: SampleRecord, sample: dict[str, Any]) -> Floats:
-    return sample_quantities(sample, record.task.stretch)
+    stored = to_stored(quantities, lattice.spacing_mm)
+    return _Cell(np.concatenate([stored, anisotropy, np.where(bare, 0.0, corrugation)]), None)
 
 
 def _motif_cell(plan: LawPlan, record: SampleRecord) -> _Cell:
@@ -270,7 +256,7 @@ def _bending_of_tubes(sample: dict[str, Any]) -> tuple[Floats, Floats]:
     pairs = np.array([along[:, i] * along[:, j] * (1.0 if i == j else 2.0) for i, j in VOIGT_ENTRIES]).T
     of_tubes = voigt_matrices(np.linalg.lstsq(pairs, bending, rcond=None)[0])
     sizes, axes = np.linalg.eigh(completed_by_rods(of_tubes, np.array(sample["rods"])))
-    q = (axes * np.maximum(sizes, MIN_STIFFNESS_RATIO * sizes.max())) @ axes.T
+    q = (axes * np.maximum(sizes, 0.01 * sizes.max())) @ axes.T  # no stiffness is zero
     moment = np.linalg.lstsq(along, bending * curvature, rcond=None)[0]
     return q, moment
 

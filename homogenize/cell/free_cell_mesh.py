@@ -33,23 +33,16 @@ if TYPE_CHECKING:
 
 # stars whose arms, up to the spacing long, may come close, as numbers of lattice vectors
 NEIGHBOUR_STEPS = np.array([[i, j] for i in range(-3, 4) for j in range(-3, 4) if (i, j) != (0, 0)])
-# steps along an arm, for the distance to other arms
+# steps along an arm, for the distance to others; half as many along a rod or a piece of a line
 _FINE = 256
 # distance of the first point beside a star's centre from the nearest arm, over the edge length
 MIN_FIRST_GAP_RATIO = 0.6
-QUARTER_TURN = np.array([[0.0, -1.0], [1.0, 0.0]])
-# steps along a piece of a line, for the distance to arms
-_MIRROR_FINE = 128
 # length of an edge, over the distance to the arms of other stars
 MAX_EDGE_TO_GAP_RATIO = 1.5
 # growth of the edges along a line, per distance
 LINE_EDGE_GROWTH = 0.6
 # of an edge: a line may lack so much to one edge more
 EDGE_COUNT_SLACK = 0.25
-# edges of a mesh on the shorter lattice vector, at least
-MIN_EDGES_A_CELL = 3
-# places along a rod, for the distance to other rods
-_ROD_FINE = 128
 # lines that are nearer to each other than this touch
 TOUCH_MM = 1e-6
 
@@ -153,7 +146,7 @@ def _with_symmetry(frame: MeshConstraints, group: Floats, arms: NearbyArms, edge
     """Constraints with the points that a mesh of this symmetry needs: on mirror lines, and at fourfold centres."""
     vectors, same = frame.vectors, POINT_GROUP_TOLERANCE * edge_mm
     places, sizes, walls = _mirror_points(mirror_lines(vectors, group), arms, edge_mm, same)
-    if (np.abs(group - QUARTER_TURN).max(axis=(1, 2)) < POINT_GROUP_TOLERANCE).any():
+    if (np.abs(group - [[0.0, -1.0], [1.0, 0.0]]).max(axis=(1, 2)) < POINT_GROUP_TOLERANCE).any():
         places, sizes = np.vstack([places, 0.5 * vectors.sum(axis=0)]), np.append(sizes, edge_mm)
     points, size = list(frame.points), list(frame.size)
     for place, wish in zip(home(places, vectors), sizes, strict=True):
@@ -229,7 +222,7 @@ def _mirror_stations(
         short = 0.5 * (b - a) < MIN_FIRST_GAP_RATIO * min(step for step in first if step)
         along = np.array([a, b] if short else [a, middle, b])
     else:
-        fine = np.linspace(low, high, _MIRROR_FINE + 1)
+        fine = np.linspace(low, high, _FINE // 2 + 1)
         gap = np.full(len(fine), np.inf)
         if (~touches).any():
             places = line.point + fine[:, None] * line.direction
@@ -291,7 +284,7 @@ def motif_cell_mesh(
         See `conforming_triangulation`.
     """
     vectors = motif.vectors
-    edge_mm = min(edge_mm, float(np.linalg.norm(vectors, axis=1).min()) / MIN_EDGES_A_CELL)
+    edge_mm = min(edge_mm, float(np.linalg.norm(vectors, axis=1).min()) / 3.0)
     constraints, paths = _constraints(motif, edge_mm)
     return Tiles(conforming_triangulation(constraints, edge_mm), repeat).mesh(paths, surrounded, of_stars=False)
 
@@ -333,7 +326,7 @@ def _rod_stations(motif: MotifGraph, number: int, edge_mm: float) -> Floats:
     rod = motif.rods[number]
     least = 1.0 if rod.length < 0.5 * edge_mm else least_pieces(rod)
     longest = rod.length / max(round(rod.length / edge_mm), least)
-    along = np.linspace(0.0, rod.length, _ROD_FINE + 1)
+    along = np.linspace(0.0, rod.length, _FINE // 2 + 1)
     gap = np.full(len(along), np.inf)
     places = shapely.points(rod.at(rod.points, along / rod.length))
     for other in _images_beside(motif, number):

@@ -8,6 +8,7 @@ similar energy, and no law of one cell describes it.
 
 from __future__ import annotations
 
+from contextlib import closing
 from dataclasses import asdict, dataclass
 from typing import Any, cast
 
@@ -26,13 +27,8 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.files import plain
 from asterism.pattern.rods.motif_graph import motif_graph
 
-# of the energy of one cell, by which four cells may be lower: meshes and starts differ by less
-MAX_ENERGY_EXCESS = 0.01
-# heights of the start's noise over the spacing: enough to leave a symmetric state, and far below any buckle
-NOISE_RATIO = 0.005
 # starts of the larger cell, by the seeds of their noise
 NOISE_SEEDS = (0, 1)
-LARGER_CELL = (2, 2)
 
 
 @dataclass(frozen=True)
@@ -54,7 +50,7 @@ class CellComparison:
     @property
     def reason(self) -> str | None:
         """Why the motif has no law, in one line; None if it has one."""
-        if self.excess <= MAX_ENERGY_EXCESS:
+        if self.excess <= 0.01:  # meshes and starts differ by less
             return None
         one, four = (" and ".join(f"{value:.3f}" for value in each) for each in (self.stretches, self.larger_stretches))
         less = f"2 x 2 cells relax to {100 * self.excess:.1f} % less energy"
@@ -73,21 +69,18 @@ def compare_with_larger_cell(design: Design, edge_mm: float, flat: FlatCell) -> 
     ArithmeticError
         A cell has no equilibrium.
     """
-    larger = UnitCell(design, edge_mm, LARGER_CELL)
-    try:
+    with closing(UnitCell(design, edge_mm, (2, 2))) as larger:
         trials = [released_from(larger, _with_noise(larger, seed)) for seed in NOISE_SEEDS]
-    finally:
-        larger.close()
     lowest = min(trials, key=lambda trial: trial.energy)
     return CellComparison(flat.energy, lowest.energy, _principal(flat), _principal(lowest))
 
 
 def _with_noise(cell: UnitCell, seed: int) -> State:
-    """The flat print with noise in its heights."""
+    """The flat print with noise in its heights: enough to leave a symmetric state, and far below any buckle."""
     cell.set_flat()
     state, n = cell.printed_state(), cell.mesh.n_base
     positions = state.positions.copy()
-    positions[:n, 2] += NOISE_RATIO * cell.spacing * np.random.default_rng(seed).normal(size=n)
+    positions[:n, 2] += 0.005 * cell.spacing * np.random.default_rng(seed).normal(size=n)
     turn = np.zeros(len(cell.edges))
     moved = moved_state(cell.unfolded(state), cell.edges, cell.images.unfold(positions), turn)
     return State(positions, moved.directors, state.frames)
@@ -150,10 +143,9 @@ def motif_responses(design: Design, edge_mm: float, angles: tuple[float, ...] = 
     ArithmeticError
         The flat cell has no equilibrium.
     """
-    cell = UnitCell(design, edge_mm)
     directions: list[RolledDirection] = []
     failed: list[tuple[float, str]] = []
-    try:
+    with closing(UnitCell(design, edge_mm)) as cell:
         flat = relax_flat_cell(cell)
         membrane = flat_membrane_stiffness(cell, flat)
         for angle in angles:
@@ -171,8 +163,6 @@ def motif_responses(design: Design, edge_mm: float, angles: tuple[float, ...] = 
                 curvature = tube.contracted_curvature
                 bending = 2.0 * (flat.energy - tube.energy) / curvature**2
             directions.append(RolledDirection(around, curvature, tube.hoop, tube.axial, bending))
-    finally:
-        cell.close()
     comparison = compare_with_larger_cell(design, edge_mm, flat)
     ordered = tuple(sorted(directions, key=lambda tube: tube.direction_rad))
     rods = rod_bending(design, flat.deformation)

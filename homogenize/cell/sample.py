@@ -9,6 +9,7 @@ the one with the lowest natural energy, and tensors of the flat cell are means o
 from __future__ import annotations
 
 import math
+from contextlib import closing
 from dataclasses import asdict, dataclass
 from typing import Any, cast
 
@@ -116,12 +117,9 @@ def solve_cell(design: Design, edge_mm: float, angles: tuple[float, ...] | None 
     if angles is not None and not (len(angles) and np.isfinite(angles).all()):
         raise ValueError(f"angles = {angles}: must be finite numbers, at least one")
     angles = tube_angles(design) if angles is None else angles
-    cell = UnitCell(design, edge_mm)
     responses: dict[str, Any] = {"angles_rad": np.array(angles), "iterations": 0}
-    try:
+    with closing(UnitCell(design, edge_mm)) as cell:
         _measure(cell, angles, responses)
-    finally:
-        cell.close()
     responses = symmetric_responses(responses, point_group(design.lattice), design.fabric)
     return Sample(length_mm=star_size(design, "length_mm"), spacing_mm=cell.spacing, **responses)
 

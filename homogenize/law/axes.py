@@ -35,8 +35,8 @@ class Axis:
     nodes_key: str  # in material files
     # smallest and largest value that can be printed. The spacing of the stars limits lengths further.
     limits: tuple[float, float]
-    logarithmic: bool  # the law is interpolated over the logarithm of the size, and the size is above 0
-    # largest ratio of adjacent nodes in the plan for the stars of one design; None for even steps.
+    # largest ratio of adjacent nodes in the plan for the stars of one design, and the law is interpolated over the
+    # logarithm of the size, which is above 0; None for even steps and the size itself.
     node_ratio: float | None
     # the same for the rods of a motif: bending changes with the cube of the thickness, and membrane with the width.
     rod_ratio: float | None
@@ -45,7 +45,7 @@ class Axis:
 
     def coordinate(self, values: Floats) -> Floats:
         """The coordinate that the law is interpolated over, of the same shape as the values."""
-        return np.asarray(np.log(values)) if self.logarithmic else values
+        return np.asarray(np.log(values)) if self.node_ratio else values
 
 
 def _mean_length(layout: Layout, arms: int) -> Floats:
@@ -65,7 +65,6 @@ LENGTH = Axis(
     key="length_mm",
     nodes_key="lengths_mm",
     limits=(MIN_ARM_MM, math.inf),
-    logarithmic=False,
     node_ratio=None,
     rod_ratio=None,
     measure=_mean_length,
@@ -77,7 +76,6 @@ THICKNESS = Axis(
     key="thickness_mm",
     nodes_key="thicknesses_mm",
     limits=THICKNESS_RANGE_MM,
-    logarithmic=True,
     node_ratio=1.2,
     rod_ratio=1.12,
     measure=lambda layout, arms: _mean_along_arms(layout, arms, layout.arm_thickness),
@@ -89,7 +87,6 @@ WIDTH = Axis(
     key="width_mm",
     nodes_key="widths_mm",
     limits=WIDTH_RANGE_MM,
-    logarithmic=True,
     node_ratio=1.3,
     rod_ratio=1.26,
     measure=lambda layout, arms: _mean_along_arms(layout, arms, layout.arm_width),

@@ -17,7 +17,6 @@ from asterism.pattern.design.sizing.profiles import Profile
 
 # errors in percent: of the length of the flat sheet, of energies, and of the largest curvature
 MOTIF_QUANTITIES = ("stretch", "membrane", "bending", "curvature")
-MIN_CURVATURE = 1e-9  # 1/mm, of a sheet that does not curl
 
 
 @dataclass(frozen=True)
@@ -149,7 +148,7 @@ def tensor_errors(law: SheetTensors, cell: SheetTensors) -> Floats:
     apart, size = (
         np.linalg.norm(plane_matrix(each), axis=(1, 2)) for each in (law.curvature - cell.curvature, cell.curvature)
     )
-    errors.append(apart / np.maximum(size, MIN_CURVATURE))
+    errors.append(apart / np.maximum(size, 1e-9))  # 1/mm, of a sheet that does not curl
     return 100.0 * np.stack(errors, axis=-1)
 
 

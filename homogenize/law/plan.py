@@ -71,12 +71,6 @@ ROD_SIZE_KEYS: tuple[RodSizeKey, ...] = ("thickness_mm", "width_mm")
 Sizes: TypeAlias = tuple[float, ...]
 # of the fabric, the same in x and y or one for each
 Stretch: TypeAlias = float | tuple[float, float]
-# of the random held-out cells
-TEST_SEED = 1
-# their arms, unless the law covers shorter or only longer ones
-MIN_TEST_ARM_MM = 1.5
-# decimals of the sizes of held-out cells, in mm
-SIZE_DECIMALS = 3
 # mm, sizes that differ by less are one node
 SAME_SIZE_MM = 1e-6
 _EXACT = "use the exact model: asterism simulate"
@@ -193,16 +187,19 @@ class LawPlan:
         )
 
     def _test_sizes(self) -> list[Sizes]:
-        """Sizes of the held-out cells, rounded so that files stay readable."""
+        """Sizes of the held-out cells, rounded so that files stay readable.
+
+        Their arms have 1.5 mm at least, unless the law covers shorter or only longer ones.
+        """
         low, high = self.limits
         low = np.array(
             [
-                max(least, min(MIN_TEST_ARM_MM, most)) if size.axis is LENGTH else least
+                max(least, min(1.5, most)) if size.axis is LENGTH else least
                 for size, least, most in zip(self.sizes, low, high, strict=True)
             ]
         )
-        points = np.random.default_rng(TEST_SEED).random((self.held_out, len(self.sizes)))
-        rows = np.clip(np.round(low + points * (high - low), SIZE_DECIMALS), low, high)
+        points = np.random.default_rng(1).random((self.held_out, len(self.sizes)))
+        rows = np.clip(np.round(low + points * (high - low), 3), low, high)
         return [tuple(map(float, row)) for row in rows]
 
     def tasks_for_sizes(self, sizes: Floats, known: Collection[Sizes] = ()) -> list[CellTask]:

@@ -24,7 +24,7 @@ STORED_SIZE = 18
 # Voigt vector (11, 22, 2 x 12) of a curvature with the components 11, 22, 12
 TO_VOIGT = np.array([1.0, 1.0, 2.0])
 # entries of a stiffness in the orthonormal basis, over its Voigt entries
-_KELVIN = np.outer(*2 * [[1.0, 1.0, np.sqrt(2.0)]])
+_KELVIN = np.sqrt([[1.0, 1.0, 2.0], [1.0, 1.0, 2.0], [2.0, 2.0, 4.0]])
 
 
 @dataclass(frozen=True)

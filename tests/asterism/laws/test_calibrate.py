@@ -162,9 +162,7 @@ def test_cells_that_fail_for_one_reason_have_one_line() -> None:
     watch = CountLine("cells", stream)
     for number in range(40):
         task = CellTask(1.35, False, (5.0 + 0.1 * number, 0.3, 1.2))
-        failed = SampleRecord(
-            task, f"length {task.sizes[0]:g} mm", None, f"gradient {number} N: no minimum", False, 1.0
-        )
+        failed = SampleRecord(task, f"length {task.sizes[0]:g} mm", None, f"gradient {number} N: no minimum", 1.0)
         watch.report(CampaignProgress(number + 1, 80, number + 1, None, failed))
     lines = [line for line in stream.getvalue().splitlines() if "no answer" in line]
     assert lines == ["  no answer: length 5 mm: gradient 0 N: no minimum"]

@@ -162,7 +162,6 @@ def test_arms_that_overlap_are_a_failed_cell_and_not_tried_again(tmp_path: Path)
         told: list[CampaignProgress] = []
         records = run_campaign(crossed, tmp_path, report=told.append)
         assert records[0].failed is None and "overlap; shorten or turn them" in str(records[1].failed)
-        assert not any(record.crashed for record in records)
     assert told[0].done == 2
 
 

@@ -46,7 +46,7 @@ def fitted(plan: LawPlan, respond: Any, tasks: list[CellTask] | None = None) -> 
     for task in tasks or plan.tasks():
         cell = plan.cell_design(task)
         answer = attempt(lambda cell=cell: respond(cell, 2.0).to_dict(), ArithmeticError)
-        records.append(SampleRecord(task, plan.label(task), answer.sample, answer.failed, False, 0.1))
+        records.append(SampleRecord(task, plan.label(task), answer.sample, answer.failed, 0.1))
     law = fit_law(plan, records, {"command": "none"})
     assert isinstance(law, StarLaw)
     return law
