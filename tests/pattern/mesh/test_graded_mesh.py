@@ -67,8 +67,8 @@ def test_any_outline_stays_aligned(border, length, edge):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("gap", [0.0, 0.1, 0.5, 1.0])
-def test_arms_that_end_at_the_outline_or_just_inside(gap):
+@pytest.mark.parametrize("gap", [0.1, 0.5, 1.0])
+def test_arms_that_end_just_inside_the_outline(gap):
     for kind in ("auto", "delaunay"):
         sound(rings(1, 15.0 - gap), 2.4, kind)
 
