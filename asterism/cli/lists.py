@@ -176,10 +176,12 @@ def show(
     output: Annotated[Path | None, output_option("Directory (default: the name of the law).")] = None,
 ) -> None:
     """Print a law and its errors as tables, and draw it in law.png."""
-    from asterism.laws.law_text import law_doubts, show_law
+    from asterism.homogenize.law.law_file import PAPER_LAW, load_law
+    from asterism.laws.law_text import held_out_warning, show_law
 
     lines = show_law(path, output)
-    run.table({}, doubts=law_doubts(path))
+    doubt = held_out_warning(load_law(path or PAPER_LAW))
+    run.table({}, doubts=[doubt] if doubt else [])
     run.lines(lines)
 
 

@@ -149,9 +149,3 @@ def show_law(path: Path | None, output: Path | None) -> list[str]:
         text = json.dumps(law_record(law).to_json(), indent=1, allow_nan=False) + "\n"
         (folder / "summary.json").write_text(text, encoding="utf-8")
     return [*law_lines(law), f"{directory}: law.png, summary.json"]
-
-
-def law_doubts(path: str | Path | None = None) -> list[str]:
-    """The reasons for which a law is not reliable: it misses its held-out cells."""
-    law = load_law(path or PAPER_LAW)
-    return [line for line in (held_out_warning(law),) if line]

@@ -30,8 +30,6 @@ from asterism.pattern.design.files import plain, read_table, write_table
 
 # names another folder
 FOLDER_VARIABLE = "ASTERISM_CELLS"
-# of about 10 kB each
-MAX_KEPT_CELLS = 10_000
 
 
 def cells_folder() -> Path:
@@ -53,8 +51,8 @@ def cells_folder() -> Path:
     return folder
 
 
-def forget_oldest(folder: Path, most: int = MAX_KEPT_CELLS) -> int:
-    """Remove the cells that were solved longest ago, so that at most so many are left; return the number removed."""
+def forget_oldest(folder: Path, most: int = 10_000) -> int:
+    """Remove the cells (of about 10 kB each) that were solved longest ago but for so many; return how many went."""
     cells = []
     with os.scandir(folder) as entries:
         for entry in entries:

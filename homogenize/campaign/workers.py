@@ -28,8 +28,6 @@ from asterism.homogenize.errors import AddressError, CampaignError
 
 Arrivals = Iterator[tuple[int, Any]]
 SubmitAll = Callable[[Callable[..., Any], Sequence[tuple[Any, ...]]], Arrivals]
-# between two looks at a cluster
-POLL_INTERVAL_S = 0.05
 # time without any worker, after which a campaign gives up its cluster
 MAX_WAIT_FOR_WORKERS_S = 30.0
 # for the answer of a scheduler
@@ -37,11 +35,8 @@ MAX_WAIT_FOR_SCHEDULER_S = 10.0
 # One thread in each process: as many processes as cores are faster than threads in any of them, and sums have the same
 # order for any number of workers. Without the last entry, MKL chooses its code by the address of an array.
 WORKER_ENVIRONMENT = {
-    "OMP_NUM_THREADS": "1",
-    "OPENBLAS_NUM_THREADS": "1",
-    "MKL_NUM_THREADS": "1",
+    **{f"{of}_NUM_THREADS": "1" for of in ("OMP", "OPENBLAS", "MKL", "NUMBA")},
     "VECLIB_MAXIMUM_THREADS": "1",
-    "NUMBA_NUM_THREADS": "1",
     "MKL_CBWR": "AUTO,STRICT",
 }
 
@@ -232,7 +227,7 @@ def dask_workers(address: str) -> Iterator[SubmitAll]:
                         last_seen = time.monotonic()
                     elif time.monotonic() > last_seen + MAX_WAIT_FOR_WORKERS_S:
                         raise CampaignError("the workers are gone; finished samples are kept")
-                    time.sleep(POLL_INTERVAL_S)
+                    time.sleep(0.05)
             except (distributed.KilledWorker, distributed.CancelledError, comm.CommClosedError) as error:
                 raise CampaignError(f"the workers are gone ({type(error).__name__})") from None
             finally:

@@ -19,31 +19,20 @@ from asterism.homogenize.cell.periodic_mesh import CELLS_AROUND, PeriodicTriangl
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.planar import distance_to_segment
 
-MAX_SMOOTHING_SWEEPS = 40
 # sweeps after which points are dropped and added
 REFINEMENT_SWEEPS = range(3, 25, 3)
-# distance of a free point from an arm, over the local edge length
-MIN_ARM_DISTANCE_RATIO = 0.5
 # distance of two points, over the local edge length
 MIN_POINT_DISTANCE_RATIO = 0.6
 # circumradius over the local edge length, above which a triangle gets a point; 0.58 for an equilateral triangle
 MAX_CIRCUMRADIUS_RATIO = 0.85
 # growth of the edges per distance from shorter ones on the arms
 EDGE_GROWTH = 0.4
-# smallest angle that ends the sweeps
-GOOD_ANGLE_DEG = 35.0
 # smallest angle of a triangle
 MIN_CELL_ANGLE_DEG = 20.0
-# sweeps without a better smallest angle
-MAX_IDLE_SWEEPS = 6
-# margin around the cell in which images count, in edges
-IMAGE_MARGIN_EDGES = 3.0
 # a group without symmetries
 IDENTITY: Floats = np.eye(2)[None]
 # of an edge: images of one point, and places that a symmetric mesh maps onto each other
 ORBIT_TOLERANCE = 1e-6
-# a point in general position, as parts of the lattice vectors; its neighbourhood is one fundamental domain
-_GENERIC = np.array([0.2137, 0.0911])
 
 
 @dataclass(frozen=True)
@@ -78,7 +67,7 @@ def conforming_triangulation(frame: MeshConstraints, edge_mm: float) -> Periodic
     seeds = seeds[~beside.too_near(seeds)]
     seeds = seeds[_in_one_domain(seeds, group, vectors)]
     best, best_angle, last = None, 0.0, REFINEMENT_SWEEPS.stop
-    for sweep in range(MAX_SMOOTHING_SWEEPS):
+    for sweep in range(40):
         orbits = Orbits.of(seeds, group, vectors, edge_mm)
         triangulation = periodic_delaunay(np.vstack([frame.points, orbits.points]), vectors, edge_mm, group)
         mend = sweep in REFINEMENT_SWEEPS
@@ -88,7 +77,7 @@ def conforming_triangulation(frame: MeshConstraints, edge_mm: float) -> Periodic
         if (
             best is not None
             and sweep > REFINEMENT_SWEEPS.stop
-            and (best_angle > GOOD_ANGLE_DEG or sweep > last + MAX_IDLE_SWEEPS)
+            and (best_angle > 35.0 or sweep > last + 6)  # good, or without a better one for so many sweeps
         ):
             break
         seeds = orbits.moved(triangulation.smoothed()[len(frame.points) :], group, vectors)
@@ -127,7 +116,7 @@ class _Beside:
     def __init__(self, frame: MeshConstraints, edge_mm: float) -> None:
         self._edge_mm = edge_mm
         inverse = np.linalg.inv(frame.vectors)
-        margin = 0.5 + IMAGE_MARGIN_EDGES * edge_mm * np.linalg.norm(inverse, axis=0)
+        margin = 0.5 + 3.0 * edge_mm * np.linalg.norm(inverse, axis=0)  # images count up to three edges from the cell
 
         def near(places: Floats) -> Bools:
             return np.asarray((np.abs(places @ inverse - 0.5) < margin).all(axis=1))
@@ -155,9 +144,7 @@ class _Beside:
         size = self.size(free)
         near = np.asarray(self._tree.query(free)[0] < MIN_POINT_DISTANCE_RATIO * size)
         if len(self._a):
-            near |= (distance_to_segment(free[:, None], self._a, self._b) < MIN_ARM_DISTANCE_RATIO * size[:, None]).any(
-                axis=1
-            )
+            near |= (distance_to_segment(free[:, None], self._a, self._b) < 0.5 * size[:, None]).any(axis=1)
             near |= (((free[:, None] - self._a) * (free[:, None] - self._b)).sum(axis=2) < 0.0).any(axis=1)
         return near
 
@@ -266,7 +253,8 @@ class Orbits:
 
 def _in_one_domain(places: Floats, group: Floats, vectors: Floats) -> Bools:
     """(n,) whether places (n, 2) lie in one fundamental domain of the group."""
-    images = np.einsum("gij,j->gi", group, _GENERIC @ vectors)
+    # a point in general position, as parts of the lattice vectors; its neighbourhood is one fundamental domain
+    images = np.einsum("gij,j->gi", group, np.array([0.2137, 0.0911]) @ vectors)
     apart = np.linalg.norm(nearest_image(places[:, None] - images, vectors), axis=-1)
     return np.asarray(apart.argmin(axis=1) == 0)
 

@@ -18,15 +18,8 @@ from asterism.pattern.design.lattice import DEFAULT_SPACING_MM
 
 # part of the stretch that is released
 RELEASE_STEPS = (0.03, 0.1, 0.2, 0.3, 0.4, 0.5, 0.62, 0.75, 0.88, 1.0)
-# of the initial bump, over the spacing of the stars
-BUMP_HEIGHT_RATIO = 1.0 / DEFAULT_SPACING_MM
-BUMP_WIDTH_RATIO = 0.35
-# gradient over the force scale, at the steps of the release before the last
-INTERMEDIATE_GRADIENT_RATIO = 1e-5
-# the same at the last step
+# gradient over the force scale, at the last step of the release
 FINAL_GRADIENT_RATIO = 1e-8
-# and after one step more
-EXACT_GRADIENT_RATIO = 1e-10
 
 
 @dataclass(frozen=True)
@@ -70,7 +63,7 @@ def relax_flat_cell(cell: UnitCell) -> FlatCell:
     cell.set_flat()
     state = cell.printed_state()
     if len(cell.mesh.star_vertices):
-        state = with_bumps(cell, state, BUMP_HEIGHT_RATIO * cell.spacing)
+        state = with_bumps(cell, state, 1.0 / DEFAULT_SPACING_MM * cell.spacing)
     flat = released_from(cell, state)
     return (_other_side(cell, flat) or flat) if flat.bump.any() and flat.bump[0] < 0.0 else flat
 
@@ -94,7 +87,7 @@ def released_from(cell: UnitCell, state: State) -> FlatCell:
             cell,
             state,
             cell.factor(),
-            cell_gradient_tolerance(cell, FINAL_GRADIENT_RATIO if last else INTERMEDIATE_GRADIENT_RATIO),
+            cell_gradient_tolerance(cell, FINAL_GRADIENT_RATIO if last else 1e-5),
             check_definite=False,
         )
         iterations += minimum.iterations
@@ -107,7 +100,7 @@ def released_from(cell: UnitCell, state: State) -> FlatCell:
 
 def polished(cell: UnitCell, minimum: Minimum) -> Minimum:
     """The minimum after one more step, which Newton's method makes exact: moments of slight curvatures need it."""
-    tolerance = cell_gradient_tolerance(cell, EXACT_GRADIENT_RATIO)
+    tolerance = cell_gradient_tolerance(cell, 1e-10)
     if not minimum.converged or minimum.gradient_norm <= tolerance:
         return minimum
     exact = minimise(cell, minimum.state, cell.factor(), tolerance, max_iterations=1, check_definite=False)
@@ -150,7 +143,7 @@ def with_bumps(cell: UnitCell, state: State, height: float) -> State:
     centres = (stars[:, None] + steps).reshape(-1, 2)
     distance = np.linalg.norm(base[:, None] - centres, axis=2).min(axis=1)
     positions = state.positions.copy()
-    positions[: len(base), 2] += height * (np.exp(-((distance / (BUMP_WIDTH_RATIO * cell.spacing)) ** 2)) - 1.0)
+    positions[: len(base), 2] += height * (np.exp(-((distance / (0.35 * cell.spacing)) ** 2)) - 1.0)
     whole = moved_state(cell.unfolded(state), cell.edges, cell.images.unfold(positions), np.zeros(len(cell.edges)))
     return State(positions, whole.directors, state.frames)
 

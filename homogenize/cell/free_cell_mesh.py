@@ -39,12 +39,6 @@ _FINE = 256
 MIN_FIRST_GAP_RATIO = 0.6
 # length of an edge, over the distance to the arms of other stars
 MAX_EDGE_TO_GAP_RATIO = 1.5
-# growth of the edges along a line, per distance
-LINE_EDGE_GROWTH = 0.6
-# of an edge: a line may lack so much to one edge more
-EDGE_COUNT_SLACK = 0.25
-# lines that are nearer to each other than this touch
-TOUCH_MM = 1e-6
 
 
 def free_cell_mesh(
@@ -173,7 +167,8 @@ def _mirror_points(
     for line in lines:
         stops = _stops(line, lines, arms, same)
         for a, b in pairwise(stops):
-            if _is_on_arm(line.point + 0.5 * (a + b) * line.direction, arms, same):
+            middle = line.point + 0.5 * (a + b) * line.direction
+            if len(arms.a) and distance_to_segment(middle, arms.a, arms.b).min() < same:
                 continue
             along, size = _mirror_stations(line, a, b, arms, edge_mm, same)
             on_line = line.point + along[:, None] * line.direction
@@ -199,10 +194,6 @@ def _stops(line: MirrorLine, others: list[MirrorLine], arms: NearbyArms, same: f
     first = kept[0] if len(kept) else 0.0  # a line without stops begins anywhere
     inner = kept[kept < first + line.length - same]
     return np.concatenate([inner if len(inner) else [first], [first + line.length]])
-
-
-def _is_on_arm(place: Floats, arms: NearbyArms, same: float) -> bool:
-    return bool(len(arms.a) and distance_to_segment(place, arms.a, arms.b).min() < same)
 
 
 def _mirror_stations(
@@ -260,9 +251,10 @@ def graded_steps(fine: Floats, longest: float, gap: Floats) -> Floats:
     [0.0, 2.0, 4.0, 6.0]
     """
     wish = np.minimum(longest, MAX_EDGE_TO_GAP_RATIO * gap)
-    wish = (wish + LINE_EDGE_GROWTH * np.abs(fine[:, None] - fine)).min(axis=1)
+    wish = (wish + 0.6 * np.abs(fine[:, None] - fine)).min(axis=1)  # growth per distance
     count = np.concatenate([[0.0], np.cumsum(0.5 * (1.0 / wish[1:] + 1.0 / wish[:-1]) * np.diff(fine))])
-    number = max(1, math.ceil(round(count[-1] - EDGE_COUNT_SLACK, 6)))  # equal lines get equal numbers
+    # a line may lack a quarter of an edge to one edge more; equal lines get equal numbers
+    number = max(1, math.ceil(round(count[-1] - 0.25, 6)))
     return np.interp(np.linspace(0.0, count[-1], number + 1), count, fine)
 
 
@@ -331,7 +323,7 @@ def _rod_stations(motif: MotifGraph, number: int, edge_mm: float) -> Floats:
     places = shapely.points(rod.at(rod.points, along / rod.length))
     for other in _images_beside(motif, number):
         gap = np.minimum(gap, shapely.distance(places, shapely.LineString(other)))
-    if gap.min() < TOUCH_MM:
+    if gap.min() < 1e-6:
         x, y = rod.at(rod.points, along[gap.argmin() : gap.argmin() + 1] / rod.length)[0]
         raise MeshError(
             f"two lines touch at ({x:.3g}, {y:.3g}) mm: move the end of one away, or to an end of the other"

@@ -72,7 +72,8 @@ def compare_with_larger_cell(design: Design, edge_mm: float, flat: FlatCell) -> 
     with closing(UnitCell(design, edge_mm, (2, 2))) as larger:
         trials = [released_from(larger, _with_noise(larger, seed)) for seed in NOISE_SEEDS]
     lowest = min(trials, key=lambda trial: trial.energy)
-    return CellComparison(flat.energy, lowest.energy, _principal(flat), _principal(lowest))
+    stretches = (np.linalg.eigvalsh(each.deformation) for each in (flat, lowest))
+    return CellComparison(flat.energy, lowest.energy, *stretches)
 
 
 def _with_noise(cell: UnitCell, seed: int) -> State:
@@ -84,10 +85,6 @@ def _with_noise(cell: UnitCell, seed: int) -> State:
     turn = np.zeros(len(cell.edges))
     moved = moved_state(cell.unfolded(state), cell.edges, cell.images.unfold(positions), turn)
     return State(positions, moved.directors, state.frames)
-
-
-def _principal(flat: FlatCell) -> Array:
-    return np.linalg.eigvalsh(flat.deformation)
 
 
 @dataclass(frozen=True)

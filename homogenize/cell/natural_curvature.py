@@ -27,24 +27,16 @@ from asterism.homogenize.cell.unit_cell import UnitCell
 
 # curvature of the first tube, times the spacing of the stars
 FIRST_CURL = 0.06
-# longest step of the curvature, times the spacing
-MAX_CURL_STEP = 0.6
 # curvature times spacing up to which a moment towards more curvature is searched, and directions resemble each other
 MAX_SEARCHED_CURL = 1.5
 # curvature times spacing at which the search ends: such stars wrap more than once and have no physical meaning, but
 # they keep the law continuous
 MAX_CURL = 8.0
-# ratio of the curvatures of two steps
-MAX_CURVATURE_STEP_RATIO = 2.5
-# moment of the flat cell over that of the first tube, below which it is rounding and higher order
-ROUNDING_MOMENT_RATIO = 1e-3
 # natural curvature times spacing, below which no tube is searched: its axis is so far away that rounding rules its
 # moment
 MIN_NATURAL_CURL = 0.015
 # error of the natural curvature, over the curvature or one over the spacing
 ROOT_TOLERANCE = 1e-5
-# height of a bump over the spacing, below which a star counts as flat
-MIN_SNAP_BUMP_RATIO = 0.029
 # steps go so far beyond the expected root that the moment changes its sign
 OVERSHOOT_FACTOR = 1.15
 # steps beyond two tubes, over their difference, up to which the straight way through both is a better start than the
@@ -52,8 +44,6 @@ OVERSHOOT_FACTOR = 1.15
 MAX_EXTRAPOLATION = 0.5
 # first regularisation where a sheet is bent further: its matrix is indefinite, and smaller ones would be refused
 FIRST_BLEND = 0.9
-# steps from a tube of another direction
-MAX_TRIAL_STEPS = 3
 # curvature 1/mm and moment N
 CurvatureMoment = tuple[float, float]
 
@@ -95,7 +85,8 @@ def trace_tubes(cell: UnitCell, flat: FlatCell, angle: float, known: TubeBranch 
     rest = 2.0 * (first.energy - flat.energy) / first.curvature - first.moment  # of the parabola through both
     stiffness = (first.moment - rest) / first.curvature
     if stiffness > 0.0 and abs(rest) < MIN_NATURAL_CURL / cell.spacing * stiffness:
-        slight = 0.0 if abs(rest) < ROUNDING_MOMENT_RATIO * abs(first.moment) else -rest / stiffness
+        # smaller moments of the flat cell are rounding and higher order
+        slight = 0.0 if abs(rest) < 1e-3 * abs(first.moment) else -rest / stiffness
         return TubeBranch(walk.tubes, None, slight, stiffness)
     if known and known.natural and abs(known.natural.curvature) < MAX_SEARCHED_CURL / cell.spacing:
         try:
@@ -140,7 +131,7 @@ class _Walk:
     def _roll(self, sheet: UnrolledCell, bump: Array, curvature: float, blend: float = FIRST_BLEND) -> Tube:
         tube = roll_cell(self.cell, sheet, curvature, self.angle, blend)
         side = np.sign(curvature)  # a star that leaves the wrong side only finds its branch
-        snap = MIN_SNAP_BUMP_RATIO * self.cell.spacing
+        snap = 0.029 * self.cell.spacing  # a star with a lower bump counts as flat
         if ((side * bump > snap) & (side * tube.bump < -snap)).any():
             raise ArithmeticError(f"tube: a star snapped to the other side at curvature {curvature:.4g}/mm")
         self.tubes.append(tube)
@@ -149,7 +140,7 @@ class _Walk:
     def on(self, sign: float, limit: float = np.inf) -> Tube:
         """One step to a larger curvature."""
         size = abs(self.tubes[-1].curvature)
-        k = min(MAX_CURVATURE_STEP_RATIO * size, size + MAX_CURL_STEP / self.cell.spacing, limit)
+        k = min(2.5 * size, size + 0.6 / self.cell.spacing, limit)
         if k > MAX_CURL / self.cell.spacing:
             raise ArithmeticError(f"tube: no natural curvature up to {sign * k:.3g}/mm")
         return self.to(sign * k)
@@ -168,7 +159,7 @@ class _Walk:
         here = self._roll(sheet, natural.bump, natural.curvature)
         other = min(known, key=lambda tube: abs(tube.curvature - natural.curvature) or np.inf)
         slope = (other.moment - natural.moment) / (other.curvature - natural.curvature)
-        for _ in range(MAX_TRIAL_STEPS):
+        for _ in range(3):
             if slope <= 0.0:
                 break
             k = here.curvature - OVERSHOOT_FACTOR * here.moment / slope

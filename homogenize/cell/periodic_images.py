@@ -119,20 +119,19 @@ class PeriodicElements:
     def __len__(self) -> int:
         return len(self.part)
 
-    def _unfolded(self, packed: Array) -> Array:
-        return self.images.unfold_packed(packed)
-
     def energies(self, packed: Array) -> Array:
         """(E,) N mm."""
-        return self.part.energies(self._unfolded(packed))
+        return self.part.energies(self.images.unfold_packed(packed))
 
     def gradients(self, packed: Array) -> Array:
         """(E, N) gradients."""
-        return np.asarray(np.einsum("ei,eij->ej", self.part.gradients(self._unfolded(packed)), self._transform))
+        return np.asarray(
+            np.einsum("ei,eij->ej", self.part.gradients(self.images.unfold_packed(packed)), self._transform)
+        )
 
     def hessians(self, packed: Array, blend: float = 0.0, rows: slice = slice(None)) -> Array:
         """(E, N (N + 1)/2) packed lower triangles of all elements, or of some rows."""
-        low = self.part.hessians(self._unfolded(packed), blend, rows)
+        low = self.part.hessians(self.images.unfold_packed(packed), blend, rows)
         transform = self._transform[rows]
         n, big = transform.shape[1:]
         full = np.empty((len(low), n, n), dtype=low.dtype)

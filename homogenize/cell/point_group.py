@@ -23,8 +23,6 @@ from asterism.pattern.geometry.plane_lattice import GRID_DIRECTIONS
 THREEFOLD_ANGLES_RAD = (0.0, np.pi / 12, np.pi / 6)
 # their mean is the mean over all directions, for functions with up to five periods in half a turn
 ALL_ANGLES_RAD = tuple(np.pi / 6 * k for k in range(6))
-# of lattice coordinates, and of angles over 30 degrees
-LATTICE_ANGLE_TOLERANCE = 1e-6
 # natural curvature times spacing, below which energies of two directions differ by rounding only
 MIN_RESOLVED_CURL = 0.03
 
@@ -46,10 +44,8 @@ def averaged_directions(tubes: Sequence[object] | Floats) -> list[int]:
 
 def is_threefold(lattice: Lattice) -> bool:
     """Whether lattice and star repeat after a third of a turn."""
-    vectors = np.asarray(lattice.vectors)
-    turn = np.array([[-0.5, np.sqrt(0.75)], [-np.sqrt(0.75), -0.5]])
-    steps = vectors @ turn @ np.linalg.inv(vectors)
-    return lattice.arms % 3 == 0 and bool(np.abs(steps - np.round(steps)).max() < LATTICE_ANGLE_TOLERANCE)
+    turn = np.array([[-0.5, -np.sqrt(0.75)], [np.sqrt(0.75), -0.5]])
+    return bool(np.isclose(point_group(lattice), turn, rtol=0.0, atol=POINT_GROUP_TOLERANCE).all(axis=(1, 2)).any())
 
 
 # of unit vectors, and of lattice coordinates

@@ -95,7 +95,7 @@ def unroll(cell: UnitCell, tube: Tube) -> UnrolledCell:
     radial = np.sign(k) * np.hypot(x[:n, 1], x[:n, 2])
     flat = np.column_stack([x[:n, 0], tube.hoop / k * angle, radial - tube.radius])
     macro = x[n:].copy()
-    macro[:, 1] = tube.hoop * _around(cell, cell.cell_vectors)
+    macro[:, 1] = tube.hoop * cell.cell_vectors @ cell.turn[1]
     middle = _middles(cell, cell.images.unfold(x), k)
     at_joints = np.repeat(angle[cell.joint_vertices], 3)
     frames = _turned(tube.state.frames.reshape(-1, 3), -at_joints).reshape(-1, 3, 3)
@@ -161,22 +161,12 @@ def heights_over_mean_surface(cell: UnitCell, tube: Tube) -> Array:
     return np.asarray(np.sign(tube.curvature) * np.hypot(y, z) - tube.radius)
 
 
-def centre_offset(cell: UnitCell, tube: Tube) -> float:
-    """mm, height of the first star's centre over the tube's mean surface, positive outwards."""
-    return float(heights_over_mean_surface(cell, tube)[ANCHOR])
-
-
 def _angles(cell: UnitCell, points: Array, curvature: float) -> Array:
     """(V,) rad about the axis, on the same turn as the printed points."""
     sign = np.sign(curvature)
-    printed = curvature * _around(cell, cell.printed[: len(points)] - cell.printed[ANCHOR])
+    printed = curvature * ((cell.printed[: len(points)] - cell.printed[ANCHOR]) @ cell.turn[1])
     off = np.arctan2(sign * points[:, 1], sign * points[:, 2]) - printed
     return np.asarray(printed + off - 2.0 * np.pi * np.round(off / (2.0 * np.pi)))
-
-
-def _around(cell: UnitCell, printed: Array) -> Array:
-    """(n,) mm, component of printed vectors (n, 2) around the tube."""
-    return np.asarray(printed @ cell.turn[1])
 
 
 def _middles(cell: UnitCell, points: Array, curvature: float) -> Array:

@@ -28,14 +28,12 @@ from asterism.homogenize.cell.point_group import (
     point_group,
     tube_angles,
 )
-from asterism.homogenize.cell.rolling import Tube, centre_offset, heights_over_mean_surface
+from asterism.homogenize.cell.rolling import Tube, heights_over_mean_surface
 from asterism.homogenize.cell.unit_cell import ANCHOR, UnitCell, star_size
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.files import plain
 from asterism.pattern.design.materials import Fabric
 
-# rad
-DIRECTION_TOLERANCE = 1e-6
 # of a response: responses that differ by less are equal up to the tolerance of Newton's method, and keep their digits
 RESPONSE_TOLERANCE = 1e-6
 # responses with one value for each direction; a sheet that is turned keeps them
@@ -139,7 +137,7 @@ def _measure(cell: UnitCell, angles: tuple[float, ...], response: dict[str, Any]
         response["iterations"] += sum(tube.iterations for tube in curves[-1].tubes)
     response |= _bending(flat, angles, curves, is_threefold(cell.design.lattice))
     ends = [curve.natural or curve.tubes[0] for curve in curves]
-    offsets = np.array([centre_offset(cell, tube) for tube in ends])
+    offsets = np.array([heights_over_mean_surface(cell, tube)[ANCHOR] for tube in ends])
     part = np.array([curve.slight / curve.tubes[0].curvature for curve in curves])
     between = response["centre_offset_mm"] + part * (offsets - response["centre_offset_mm"])
     response["natural_centre_offset_mm"] = np.where([curve.natural is None for curve in curves], between, offsets)
@@ -217,7 +215,7 @@ def _lowest_of_equals(angles: Array, energy: Array, group: Floats) -> tuple[Ints
     source, element = np.arange(len(angles)), np.zeros(len(angles), dtype=np.int64)
     moved = np.einsum("gij,dj->gdi", group, directions)
     for target, direction in enumerate(directions):
-        parallel = np.abs(moved[..., 0] * direction[1] - moved[..., 1] * direction[0]) < DIRECTION_TOLERANCE
+        parallel = np.abs(moved[..., 0] * direction[1] - moved[..., 1] * direction[0]) < 1e-6  # rad
         elements, equals = np.nonzero(parallel)
         best = equals[np.argmin(energy[equals])]
         if energy[best] < energy[target] - RESPONSE_TOLERANCE * abs(energy[target]):

@@ -71,29 +71,27 @@ LENGTH = Axis(
 )
 
 
-THICKNESS = Axis(
-    name="thickness",
-    key="thickness_mm",
-    nodes_key="thicknesses_mm",
-    limits=THICKNESS_RANGE_MM,
-    node_ratio=1.2,
-    rod_ratio=1.12,
-    measure=lambda layout, arms: _mean_along_arms(layout, arms, layout.arm_thickness),
+AXES = (
+    LENGTH,
+    Axis(
+        name="thickness",
+        key="thickness_mm",
+        nodes_key="thicknesses_mm",
+        limits=THICKNESS_RANGE_MM,
+        node_ratio=1.2,
+        rod_ratio=1.12,
+        measure=lambda layout, arms: _mean_along_arms(layout, arms, layout.arm_thickness),
+    ),
+    Axis(
+        name="width",
+        key="width_mm",
+        nodes_key="widths_mm",
+        limits=WIDTH_RANGE_MM,
+        node_ratio=1.3,
+        rod_ratio=1.26,
+        measure=lambda layout, arms: _mean_along_arms(layout, arms, layout.arm_width),
+    ),
 )
-
-
-WIDTH = Axis(
-    name="width",
-    key="width_mm",
-    nodes_key="widths_mm",
-    limits=WIDTH_RANGE_MM,
-    node_ratio=1.3,
-    rod_ratio=1.26,
-    measure=lambda layout, arms: _mean_along_arms(layout, arms, layout.arm_width),
-)
-
-
-AXES = (LENGTH, THICKNESS, WIDTH)
 AXIS_OF = {axis.key: axis for axis in AXES}
 
 
