@@ -95,7 +95,7 @@ def unroll(cell: UnitCell, tube: Tube) -> UnrolledCell:
     radial = np.sign(k) * np.hypot(x[:n, 1], x[:n, 2])
     flat = np.column_stack([x[:n, 0], tube.hoop / k * angle, radial - tube.radius])
     macro = x[n:].copy()
-    macro[:, 1] = tube.hoop * cell.cell_vectors @ cell.turn[1]
+    macro[:, 1] = tube.hoop * (cell.cell_vectors @ cell.turn[1])
     middle = _middles(cell, cell.images.unfold(x), k)
     at_joints = np.repeat(angle[cell.joint_vertices], 3)
     frames = _turned(tube.state.frames.reshape(-1, 3), -at_joints).reshape(-1, 3, 3)

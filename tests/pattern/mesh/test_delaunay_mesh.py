@@ -39,7 +39,7 @@ def sound(sheet: Layout, edge: float, angle: float) -> Mesh:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("n", [0, 1, 3])
-@pytest.mark.parametrize("length", [2.0, 5.5, 10.0, 13.0, 14.5])
+@pytest.mark.parametrize("length", [2.0, 5.5, 10.0, 13.0])
 @pytest.mark.parametrize("edge", [3.0, 1.5])
 def test_hexagon_of_rings(n, length, edge):
     assert min(len(rod) for rod in sound(rings(n, length), edge, 25).rods) >= 3
