@@ -183,12 +183,14 @@ _Conflict = tuple[int, str, Floats | str]
 
 def _points_twice(sets: Sequence[PinSet], sheet: SheetEdges, distance: float, tolerance: float) -> Iterator[_Conflict]:
     """Points closer to each other or to a held edge than `distance` (mm); to edges of later sets, than `tolerance`."""
-    from scipy.spatial import cKDTree  # slow to import; designs without pins do without it
-
     points, owner = all_points(sets), np.repeat(np.arange(len(sets)), [len(pins.points) for pins in sets])
-    # one neighbour of each point is enough, however many points share a place
-    near = np.sort(cKDTree(points).query(points, k=2, distance_upper_bound=distance * (1.0 + 1e-12))[1], axis=1)
-    pairs = near[near[:, 1] < len(points)]
+    pairs = np.empty((0, 2), dtype=int)
+    if len(points):
+        from scipy.spatial import cKDTree  # slow to import; designs without points do without it
+
+        # one neighbour of each point is enough, however many points share a place
+        near = np.sort(cKDTree(points).query(points, k=2, distance_upper_bound=distance * (1.0 + 1e-12))[1], axis=1)
+        pairs = near[near[:, 1] < len(points)]
     for first, second in pairs[np.lexsort(pairs.T)][:1].tolist():
         problem = f"must not hold the same place twice, within {distance:.2g} mm"
         if owner[first] != owner[second]:
