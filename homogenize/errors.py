@@ -19,11 +19,7 @@ class LawError(Error, ValueError):
     """
 
     def __init__(
-        self,
-        message: str,
-        stars: Iterable[int] = (),
-        place_mm: Iterable[float] | None = None,
-        field: str = "",
+        self, message: str, stars: Iterable[int] = (), place_mm: Iterable[float] | None = None, field: str = ""
     ) -> None:
         super().__init__(message)
         self.field = field
