@@ -151,6 +151,9 @@ class Engine:
     # edits
 
     def _edit(self, edit: Edit) -> None:
+        if self._known is not None and not edit.is_opened:
+            # the form to go back to, if an opening was overtaken by this edit
+            edit = replace(edit, snapshot=self._known.snapshot)
         is_known = self._known is not None and (edit.design, edit.folder) == (self._known.design, self._known.folder)
         parsed = self._design if is_known else None
         self._known = edit

@@ -164,7 +164,8 @@ export function segments({ label, options: choices, value, onchange, testid, hid
     const props = { type: "button", role: "radio", title, "aria-label": title, testid: testid && `${testid}-${one}` };
     return h("button", { ...props, hidden: isLeftOut, onclick: () => (set(one), onchange(one)) }, text);
   });
-  const onkeydown = (event) => nextByArrow(event, buttons)?.click();
+  const shown = () => buttons.filter((button) => !button.hidden);
+  const onkeydown = (event) => nextByArrow(event, shown())?.click();
   const element = h("div.segments", { role: "radiogroup", "aria-label": label, testid, hidden, onkeydown }, buttons);
   function set(chosen) {
     const isKnown = options.some((option) => option.value === chosen);

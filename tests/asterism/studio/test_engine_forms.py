@@ -116,6 +116,16 @@ def test_a_new_engine_goes_to_the_form_of_the_last_one(engine: EnginePipe) -> No
 
 
 @pytest.mark.slow
+def test_an_edit_goes_to_the_form_of_an_opening_that_was_cancelled(engine: EnginePipe) -> None:
+    engine.send(Edit(1, narrow()), Flip(2))
+    flipped = engine.frame(2)
+    engine.send(Cancel(3), Edit(3, narrow(), is_opened=True, snapshot=flipped.snapshot))
+    assert engine.problem(3).kind == "cancelled"
+    engine.send(Edit(4, narrow()))
+    assert engine.frame(4).arrays["positions"] == pytest.approx(flipped.arrays["positions"], abs=1e-4)
+
+
+@pytest.mark.slow
 def test_other_forms_are_listed_and_shown(engine: EnginePipe) -> None:
     data = asterism.new("fig8-l-increasing").to_dict()
     engine.send(Edit(1, data))

@@ -72,10 +72,12 @@ export function numberField({
     input.value = text(number);
     if (range) range.value = number;
   }
+  /** Shows a number that comes from elsewhere; what is typed right now stays, with its caret. */
   function set(number) {
-    const typed = document.activeElement === input ? input.value : null;
-    write(number);
-    if (typed !== null) input.value = typed;
+    const isTyping = document.activeElement === input;
+    present = number;
+    if (!isTyping) input.value = text(number);
+    if (range) range.value = number;
     show(null);
   }
   function setLimits(low, high) {
@@ -126,7 +128,10 @@ export function numberField({
   range?.addEventListener("change", () => onchange(Number(range.value), true));
   live(element, () => {
     if (limitsNow) setLimits(...limitsNow());
-    if (typeof value === "function") set(value());
+    if (typeof value !== "function") return;
+    const now = value();
+    // what was refused stays, with its fault, until the number is another one
+    if (now !== present || !element.classList.contains("bad")) set(now);
   });
   if (typeof value !== "function") set(value);
   return {

@@ -67,7 +67,7 @@ export function buildTop(element, { store, actions }) {
     if (document.activeElement !== name) name.value = now()?.name ?? "";
     document.title = now() ? `${now().saved ? "" : "• "}${now().name} · asterism studio` : "asterism studio";
   };
-  store.on(["document"], update);
+  store.on(["document", "jobs", "state"], update);
   update();
 }
 
