@@ -234,7 +234,7 @@ def _options_of(kind: type) -> list[inspect.Parameter]:
     types = field_types(kind)
     options = []
     for field in dataclasses.fields(kind):
-        plain, names, _ = types[field.name]
+        plain, names, limits = types[field.name]
         more: dict[str, Any] = {}
         if plain is bool and not field.default:
             names = names or [f"--{field.name.replace('_', '-')}"]
@@ -242,7 +242,8 @@ def _options_of(kind: type) -> list[inspect.Parameter]:
             plain = list[get_args(plain)[0]]  # type: ignore[misc]
         elif tuple[float, float] in get_args(plain):
             plain, more = Any, {"parser": two_sizes, "metavar": "WIDTHxDEPTH"}
-        option = typer.Option(*names, help=texts[field.name][:1].upper() + texts[field.name][1:], **more)
+        allowed = "".join(f" From {low:g} to {high:g}." for low, high in limits)
+        option = typer.Option(*names, help=texts[field.name][:1].upper() + texts[field.name][1:] + allowed, **more)
         annotation: Any = Annotated[plain, option]
         kept = {"default": field.default, "annotation": annotation}
         options.append(inspect.Parameter(field.name, inspect.Parameter.KEYWORD_ONLY, **kept))

@@ -210,14 +210,15 @@ def needle_sheet(job: Job) -> Drawing | None:
 
 
 def middle_lines(job: Job) -> Drawing:
-    """The rods of the printed design in printed coordinates: a layer for each name and width, lines as wide as rods.
+    """The rods of the printed design in printed coordinates, as wide lines: a layer for each name, width and face.
 
     A rod whose width varies has its mean width. The page is the box around the cut lines.
     """
     rods = job.plan.drawn_rods
     widths: dict[str, set[float]] = {}
     # characters that names of layers cannot have in DXF
-    keys = [(re.sub(r'[<>/\\":;?*=`|,\x00-\x1f]', "_", rod.name), round(float(rod.width.mean()), 3)) for rod in rods]
+    names = (re.sub(r'[<>/\\":;?*=`|,\x00-\x1f]', "_", rod.name) + " below" * (rod.side < 0) for rod in rods)
+    keys = [(name, round(float(rod.width.mean()), 3)) for name, rod in zip(names, rods, strict=True)]
     for name, width in keys:
         widths.setdefault(name, set()).add(width)
     layers = {

@@ -24,8 +24,12 @@ def check_settings(settings: Any) -> None:
     for field, (plain, names, limits) in field_types(type(settings)).items():
         value, problem = getattr(settings, field), ""
         for low, high in limits:
-            if value is not None and not low <= value <= high:
+            if value is not None and not (isinstance(value, int | float) and low <= value <= high):
                 problem = f"must be from {low:g} to {high:g}"
+        if plain in (int, int | None) and not isinstance(value, int | None):
+            problem = "must be a whole number"
+        if any(get_origin(one) is tuple for one in (plain, *get_args(plain))) and isinstance(value, str | float | int):
+            problem = "must be a tuple"
         if get_origin(plain) is Literal and value not in get_args(plain):
             problem = f"must be {' or '.join(get_args(plain))}"
         if problem:

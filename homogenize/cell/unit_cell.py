@@ -142,7 +142,7 @@ class UnitCell(System):
         self.mesh = _inner_first(mesh)
         self.printed, self.cell_vectors = self.mesh.points, self.mesh.cell_vectors
         self.model = _unfolded_model(design, self.mesh, motif)
-        points, face = self.model.joints.vertices, np.empty(len(self.model.joints.vertices), dtype=np.int64)
+        points, face = self.model.joints.vertices, np.ones(len(self.model.joints.vertices), dtype=np.int64)
         face[self.model.joints.joint] = self.model.edge_side[self.model.joints.edge]
         own, joint = np.unique(2 * self.mesh.base[points] + (face < 0), return_inverse=True)
         self._joint_images, self._base_joints = (points, joint), own // 2

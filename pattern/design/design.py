@@ -148,6 +148,13 @@ class Design(Section):
     fit: FitWeights | None = None
     spread: Spread | None = None
 
+    @field_validator("units", mode="before")
+    @classmethod
+    def _millimetres(cls, units: Any) -> Any:
+        if units != "mm":
+            raise DesignError("", 'must be "mm": write all lengths in millimetres', units)
+        return units
+
     @model_validator(mode="before")
     @classmethod
     def _keys_in_their_tables(cls, data: Any, info: ValidationInfo) -> Any:

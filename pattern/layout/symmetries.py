@@ -12,6 +12,7 @@ from scipy.spatial import cKDTree
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.drawings import IMPORT_CURVE_MM
+from asterism.pattern.geometry.planar import clusters
 from asterism.pattern.layout.free_motions import FreeMotions
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.supports import SupportSamples
@@ -108,7 +109,7 @@ class _Pattern:
         self._tree = shapely.STRtree(self._lines)
         ends = np.bincount([node for rod in rods for node in (rod.start, rod.end)], minlength=len(graph.nodes))
         # a rod above and one below may end at one place
-        self._free_ends = cKDTree(np.unique(graph.nodes[ends == 1], axis=0))
+        self._free_ends = cKDTree(clusters(graph.nodes[ends == 1], self.tolerance)[1])
         # all rods, one after the other with gaps, on one line of stations
         lengths = shapely.length(self._lines)
         self._first = np.cumsum(lengths + 1.0) - lengths

@@ -64,7 +64,7 @@ def triangulate(
     if max_area is not None:
         options += f"a{max_area / scale**2:.20f}"
         room += 2 * np.prod(np.ptp(unit, axis=0)) * scale**2 / max_area
-    if room > MAX_ADDED_POINTS:
+    if options != "p" and room > MAX_ADDED_POINTS:
         raise MeshError(f"about {room:.2g} points would be added, more than {MAX_ADDED_POINTS}: use a longer edge")
     if options != "p":
         options += f"YYS{int(room)}"

@@ -26,6 +26,7 @@ from asterism.measure.strips.strip_fit import (
     fit_directions,
 )
 from asterism.measure.strips.strip_table import Reading, read_strips
+from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.errors import one_line
 from asterism.pattern.design.materials import (
     Fabric,
@@ -194,6 +195,7 @@ def fit_strips(table: str | Path, settings: StripFitSettings | None = None) -> F
     True
     """
     table, settings = Path(table), StripFitSettings() if settings is None else settings
+    check_type(settings, StripFitSettings, "StripFitSettings(outside=True) is an example")
     readings = read_strips(table, settings)
     return FittedMaterial(fit_directions(readings, settings), table.name)
 

@@ -14,6 +14,7 @@ from asterism.equilibrium.arrays import Floats, Ints
 from asterism.measure.strips import arc
 from asterism.measure.strips.settings import StripPrintSettings
 from asterism.measure.strips.strip_table import BOX_COLUMNS, DIRECTION_COLUMN, KNOWN_COLUMNS, Direction
+from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.materials import Fabric, Plastic, rest_curvature
 from asterism.pattern.design.rounding import Rounding
@@ -297,6 +298,7 @@ def new_strips(directory: str | Path, settings: StripPrintSettings | None = None
     (8, (0.3, 0.05), 4.8)
     """
     directory, settings = Path(directory), StripPrintSettings() if settings is None else settings
+    check_type(settings, StripPrintSettings, "StripPrintSettings(count=5) is an example")
     machine = adjusted_printer(ExportSettings(printer=settings.printer, plate_mm=settings.plate_mm))
     low, high = THICKNESS_RANGE_MM
     for h in settings.thicknesses_mm:

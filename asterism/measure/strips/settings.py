@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
+from asterism.pattern.design.errors import DesignError
 from asterism.process.settings import check_settings
 
 THICKNESSES_MM = (0.30, 0.35, 0.40, 0.45)
@@ -46,6 +47,8 @@ class StripPrintSettings:
 
     def __post_init__(self) -> None:
         check_settings(self)
+        if not self.thicknesses_mm:
+            raise DesignError("--thickness", "must be one at least", self.thicknesses_mm)
 
 
 @dataclass(frozen=True, kw_only=True)

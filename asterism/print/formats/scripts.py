@@ -12,8 +12,8 @@ from asterism.print.formats.registry import export_format
 from asterism.print.job import Job
 
 _HEADING = (
-    "each line is one of them: pieces with their height, whether begin and end are round, and the points of the "
-    "middle line: x, y, width"
+    "each line is one of them: x, y of its place, and its pieces with their height, whether begin and end are round, and "
+    "the points of the middle line: x, y from that place, width"
 )
 
 _OPENSCAD = """
@@ -34,7 +34,7 @@ module piece(p) {
     }
 }
 
-union() for (part = parts) for (p = part) piece(p);
+union() for (part = parts) translate([part[0], part[1]]) for (p = part[2]) piece(p);
 """
 
 _ICESL = """
@@ -61,8 +61,9 @@ end
 
 for _, part in ipairs(parts) do
   local whole = nil
-  for _, p in ipairs(part) do
-    local points, last = p[4], #p[4]
+  for _, p in ipairs(part[3]) do
+    local points, last = {}, #p[4]
+    for k, q in ipairs(p[4]) do points[k] = {q[1] + part[1], q[2] + part[2], q[3]} end
     for k = 2, last do
       local one = straight(points[k - 1], points[k], p[1])
       if whole == nil then whole = one else whole = union(whole, one) end
@@ -95,16 +96,19 @@ def _write(path: Path, job: Job, comment: str, brackets: str, end: str, code: st
         return brackets[0] + ", ".join(parts) + brackets[1]
 
     rows: dict[int, list[str]] = {}
+    plan, middle = job.plan, job.printer.bed_centre_mm
+    origins = job.placement.points(plan.centres) + middle  # of the parts: the arms of a star are one
     for piece in (*job.arms, *job.rods):
-        places = job.placement.points(piece.points) + job.printer.bed_centre_mm
+        is_arm = piece.number < len(plan.arm_star)
+        part = int(plan.arm_star[piece.number]) if is_arm else len(plan.centres) + piece.number
+        origin = origins[part] if is_arm else np.zeros(2)
+        places = job.placement.points(piece.points) + middle - origin
         points = [listed(map(_number, row)) for row in np.column_stack([places, piece.width])]
-        # the arms of a star are one part
-        arms = len(job.plan.arm_star)
-        part = job.plan.arm_star[piece.number] if piece.number < arms else len(job.plan.centres) + piece.number
-        rows.setdefault(part, []).append(listed([*map(_number, (piece.height_mm, *piece.round_ends)), listed(points)]))
+        row = rows.setdefault(part, list(map(_number, origin)))
+        row.append(listed([*map(_number, (piece.height_mm, *piece.round_ends)), listed(points)]))
     title = f"{one_line(job.design.name)}: {job.printed_word} for the {one_line(job.printer.name)}, in mm"
     lines = [f"{comment} {title}", f"{comment} {_HEADING}", "", f"parts = {brackets[0]}"]
-    lines += [*(f"  {listed(pieces)}," for pieces in rows.values()), brackets[1] + end]
+    lines += [*(f"  {listed([*row[:2], listed(row[2:])])}," for row in rows.values()), brackets[1] + end]
     path.write_text("\n".join(lines) + f"\n{code}", encoding="utf-8", newline="\n")
 
 

@@ -170,6 +170,16 @@ def test_symmetries_keep_the_face_of_every_line() -> None:
     assert [len(symmetries(each, layout(each))) for each in (net("above", "above"), net())] == [8, 4]
 
 
+@pytest.mark.parametrize("fraction", [0.4, 0.5])
+def test_a_board_of_stars_whose_tips_meet_across_the_fabric_keeps_its_symmetries(fraction: float) -> None:
+    data: dict[str, Any] = {"lattice": {"kind": "square", "arms": 4, "spacing_mm": 15.0}}
+    data |= {"border": {"rectangle_mm": [76.0, 76.0]}, "stars": {"length_fraction": fraction}}
+    sites = layout(Design.from_dict(data)).sites.tolist()
+    data["stars"]["override"] = [{"site": site, "side": "below"} for site in sites if sum(site) % 2]
+    board = Design.from_dict(data)
+    assert len(symmetries(board, layout(board))) == 8
+
+
 def test_prints_have_the_lines_below_in_a_file_of_their_own() -> None:
     volumes = []
     for design in (net(), net("above", "above")):

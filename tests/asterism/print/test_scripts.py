@@ -71,11 +71,15 @@ def test_the_table_of_openscad_holds_the_stars(tapered: Job, tmp_path: Path) -> 
     write_openscad(tmp_path / "stars.scad", tapered)
     text = (tmp_path / "stars.scad").read_text()
     table = ast.literal_eval(re.search(r"parts = (\[.*?\n\]);", text, re.DOTALL)[1])
-    assert len(table) == len(tapered.plan.centres)
+    # one star is moved by the numbers of its centre
+    centres = tapered.placement.points(tapered.plan.centres) + tapered.printer.bed_centre_mm
+    assert np.array([star[:2] for star in table]) == pytest.approx(centres, abs=1e-6)
     prisms = [
         (height, Piece(0, points[:, :2], points[:, 2], height, (begin, end)).region)
-        for star in table
-        for height, begin, end, points in ((h, b == 1, e == 1, np.array(p)) for h, b, e, p in star)
+        for x, y, star in table
+        for height, begin, end, points in (
+            (h, b == 1, e == 1, np.array(p) + np.array([x, y, 0.0])) for h, b, e, p in star
+        )
     ]
     assert volume(prisms) == pytest.approx(tapered.solids[0].volume_mm3, rel=3e-4)
 

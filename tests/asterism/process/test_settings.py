@@ -24,6 +24,7 @@ class CutSettings:
     passes : depths of the cuts before it.
     blade : kind of
         blade.
+    teeth : number of its teeth.
     is_wet : cool with water.
     """
 
@@ -31,6 +32,7 @@ class CutSettings:
     depth_mm: Annotated[float, "--depth", (0.5, 2.0)] = 1.0
     passes: Annotated[tuple[float, ...], "--pass"] = ()
     blade: Literal["saw", "knife"] = "saw"
+    teeth: int | None = None
     is_wet: bool = False
 
     def __post_init__(self) -> None:
@@ -65,7 +67,11 @@ def test_fields_are_options() -> None:
     [
         ({"depth_mm": 3.0}, "--depth = 3.0: must be from 0.5 to 2"),
         ({"depth_mm": float("nan")}, "--depth = nan: must be from 0.5 to 2"),
+        ({"depth_mm": "1"}, "--depth = '1': must be from 0.5 to 2"),
         ({"blade": "laser"}, "--blade = 'laser': must be saw or knife"),
+        ({"passes": 0.5}, "--pass = 0.5: must be a tuple"),
+        ({"sheet_mm": 300.0}, "--sheet = 300.0: must be a tuple"),
+        ({"teeth": 2.5}, "--teeth = 2.5: must be a whole number"),
     ],
 )
 def test_python_and_the_command_name_the_option(wrong: dict[str, Any], line: str) -> None:
