@@ -12,8 +12,8 @@ from asterism.print.formats.registry import export_format
 from asterism.print.job import Job
 
 _HEADING = (
-    "each line is one of them: x, y of its place, and its pieces with their height, whether begin and end are round, and "
-    "the points of the middle line: x, y from that place, width"
+    "each line is one of them: x, y of its place, and its pieces with their height, whether begin and end are round, "
+    "and the points of the middle line: x, y from that place, width"
 )
 
 _OPENSCAD = """
