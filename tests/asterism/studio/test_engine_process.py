@@ -12,7 +12,7 @@ import pytest
 
 import asterism
 from asterism.pattern.layout.build import layout
-from asterism.studio.engine import run_engine
+from asterism.studio.child import ENGINE, run_child
 from asterism.studio.messages import Edit, Flip, Frame, Ready, ShapeSummary, ShowForm, Sign, StudioProblem
 from tests.asterism.studio.engine_pipe import EnginePipe
 
@@ -105,7 +105,7 @@ def test_random_edits_have_a_shape_or_a_reason() -> None:
 def test_an_engine_serves_in_a_process_gives_signs_and_ends_with_its_pipe() -> None:
     context = multiprocessing.get_context("spawn")
     ours, theirs = context.Pipe()
-    process = context.Process(target=run_engine, args=(theirs,), daemon=True)
+    process = context.Process(target=run_child, args=(ENGINE, 0, theirs), daemon=True)
     process.start()
     theirs.close()
     ours.send(Edit(1, table()))
