@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import threading
 from dataclasses import dataclass
 from glob import escape
 from itertools import count
@@ -51,6 +52,7 @@ class Autosave:
     def __init__(self, design_path: Path, taken: Path | None = None) -> None:
         self.design_path, self.path = design_path, taken
         self._identity = None if taken is None else file_identity(taken)
+        self._lock = threading.Lock()  # the studio keeps work by itself while a request does
         self.kept: list[KeptWork] = []
         self.problems: list[str] = []
         for path in autosaves(design_path):
@@ -80,19 +82,21 @@ class Autosave:
         OutputError
             The file cannot be written.
         """
-        path = self.path if self.is_written else None
-        if path is None:
-            names = (f"{_stem(self.design_path)}{'' if k == 1 else f'-{k}'}.toml" for k in count(1))
-            free = (self.design_path.with_name(name) for name in names)
-            path = next(file for file in free if not os.path.lexists(file))
-        write_file(path, text)
-        self.path, self._identity = path, file_identity(path)
+        with self._lock:
+            path = self.path if self.is_written else None
+            if path is None:
+                names = (f"{_stem(self.design_path)}{'' if k == 1 else f'-{k}'}.toml" for k in count(1))
+                free = (self.design_path.with_name(name) for name in names)
+                path = next(file for file in free if not os.path.lexists(file))
+            write_file(path, text)
+            self.path, self._identity = path, file_identity(path)
 
     def drop(self) -> None:
         """Take the work of this session away; that of others stays until it is taken or forgotten."""
-        if self.is_written and self.path is not None:
-            self.path.unlink(missing_ok=True)
-        self.path = None
+        with self._lock:
+            if self.is_written and self.path is not None:
+                self.path.unlink(missing_ok=True)
+            self.path = None
 
     def forget(self, name: str | None) -> None:
         """Remove the work of others from the disk: that in a file of this name, or all."""

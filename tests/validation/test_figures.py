@@ -137,7 +137,7 @@ def own_law(name: str) -> Law:
     records = []
     for task in plan.tasks():
         found = solve_cell(plan.cell_design(task), plan.edge_mm)
-        records.append(SampleRecord(task, plan.label(task), found.to_dict(), None, False, 0.0))
+        records.append(SampleRecord(task, plan.label(task), found.to_dict(), None, 0.0))
     return fit_law(plan, records)
 
 

@@ -2,6 +2,7 @@
 
 import { holesOf } from "./border.js";
 import { date, plainField } from "./format.js";
+import { forgetRefused } from "./panels/fields.js";
 import { openKept } from "./panels/history.js";
 import { announce, toast } from "./panels/toasts.js";
 import { NO_SYMMETRY } from "./store.js";
@@ -66,6 +67,7 @@ export function listen(studio) {
   /** Another design is open: what was said, chosen, found and begun for the one before goes with it. */
   function forgetDesign() {
     edits.drop();
+    forgetRefused();
     Object.values(studio.tools).forEach(({ tool }) => tool.cancel?.());
     document.querySelectorAll("dialog[open]").forEach((one) => one.close());
     document.querySelectorAll(".toast").forEach((one) => one.remove());

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -44,6 +45,15 @@ def test_an_autosave_that_failed_is_tried_again(
     while page.until("state")["unsaved_since"] is not None:
         pass
     assert (folder / ".dome.autosave.toml").exists()
+
+
+def test_work_that_is_kept_twice_at_once_has_one_file(folder: Path) -> None:
+    document = edited(folder / "dome.toml", "first")
+    document.autosave.drop()
+    with ThreadPoolExecutor(8) as pool:
+        for done in [pool.submit(document.keep_work) for _ in range(8)]:
+            done.result()
+    assert [file.name for file in autosaves(folder / "dome.toml")] == [".dome.autosave.toml"]
 
 
 def test_each_session_keeps_its_own_work(folder: Path) -> None:

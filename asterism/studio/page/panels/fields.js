@@ -26,6 +26,11 @@ export function showFault(line, message, marked, mark) {
 
 let count = 0;
 
+const refused = new Map(); // fields whose text is no value of theirs: what makes them forget it
+
+/** Fields show the numbers of the design again, whatever was typed into them: another design is shown. */
+export const forgetRefused = () => refused.forEach((forget) => forget());
+
 /**
  * A number with its unit. `onchange(value, isFinal)`: while a slider is dragged isFinal is false. `value`, `limits`
  * (a function for [min, max]), `placeholder`, `disabled` and `hidden` may follow the state.
@@ -65,6 +70,12 @@ export function numberField({
   function show(message) {
     showFault(fault, message, element, "bad");
     input.setAttribute("aria-invalid", String(Boolean(message)));
+    if (message) refused.set(element, forget);
+    else refused.delete(element);
+  }
+  function forget() {
+    input.value = text(present);
+    show(null);
   }
   /** Writes a number into the field and the slider. */
   function write(number) {
@@ -87,9 +98,9 @@ export function numberField({
   const mistake = () => mistakeOf(input.value, { unit, limits, whole });
   function accept() {
     const number = numberOf(input.value, unit);
-    const refused = mistake();
-    show(refused);
-    if (refused) return;
+    const message = mistake();
+    show(message);
+    if (message) return;
     input.value = text(number); // of a sum or another unit
     if (number === present) return;
     write(number);
@@ -109,8 +120,7 @@ export function numberField({
       entered = input.value;
     }
     if (event.key === "Escape") {
-      input.value = text(present);
-      show(null);
+      forget();
       input.blur();
     }
     const up = { ArrowUp: 1, ArrowDown: -1 }[event.key];
@@ -141,12 +151,12 @@ export function numberField({
     limits: setLimits,
     /** Whether the text is no value of the field; then the field says so and has the focus. */
     isRefused() {
-      const refused = mistake();
-      if (refused) {
-        show(refused);
+      const message = mistake();
+      if (message) {
+        show(message);
         input.focus();
       }
-      return Boolean(refused);
+      return Boolean(message);
     },
   };
 }
