@@ -3,9 +3,9 @@
     python3 .ci/wheels.py                 # all versions that asterism supports and this machine has
     python3 .ci/wheels.py 3.12            # these
 
-Each environment has the packages of the index, and no checkout. The commands run in it three times: as installed;
-without MKL, where scipy's SuperLU takes over; and where neither the installation nor the home folder can be written, so
-that numba keeps no machine code. Needs a package index. Exit status 1: a version has failed.
+Each environment has the packages of the index, and no checkout. The commands run in it as installed; with the first
+version also without MKL, where scipy's SuperLU takes over, and where neither the installation nor the home folder can
+be written, so that numba keeps no machine code. Needs a package index. Exit status 1: a version has failed.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ import sys
 import tempfile
 import time
 import zipfile
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
@@ -33,26 +34,28 @@ KEPT_OUT = shutil.ignore_patterns(".git", ".venv", "build", "dist", "*.egg-info"
 def main() -> int:
     """Run everything, and print one line for each version."""
     wanted = sys.argv[1:] or VERSIONS
-    failed = []
     with tempfile.TemporaryDirectory(prefix="asterism-wheels-") as name:
         room = Path(name)
         room.chmod(0o755)
         wheel = build(room)
-        for version in wanted:
-            python = find(version)
-            if python is None:
-                print(f"{version}: not on this machine", flush=True)
-                continue
+        there = {version: python for version in wanted if (python := find(version)) is not None}
+        for version in set(wanted) - set(there):
+            print(f"{version}: not on this machine", flush=True)
+
+        def tried(version: str) -> bool:
             begin = time.perf_counter()
             try:
-                solvers = try_out(python, wheel, room / version)
+                shown = try_out(there[version], wheel, room / version, in_all_ways=version == next(iter(there)))
             except (subprocess.CalledProcessError, AssertionError) as error:
                 output = getattr(error, "stderr", None) or getattr(error, "output", None) or error
                 print(f"{version}: failed: {output}", flush=True)
-                failed.append(version)
-                continue
-            print(f"{version}: {', '.join(solvers)}; {time.perf_counter() - begin:.0f} s", flush=True)
-    return 1 if failed else 0
+                return False
+            print(f"{version}: {', '.join(shown)}; {time.perf_counter() - begin:.0f} s", flush=True)
+            return True
+
+        # one installs while another computes
+        with ThreadPoolExecutor(max_workers=2) as pool:
+            return 0 if all(list(pool.map(tried, there))) else 1
 
 
 def find(version: str) -> Path | None:
@@ -90,11 +93,13 @@ def build(room: Path) -> Path:
     return wheel
 
 
-def try_out(python: Path, wheel: Path, place: Path) -> list[str]:
-    """Install the wheel, and run it in the three ways; returns what each way showed."""
+def try_out(python: Path, wheel: Path, place: Path, in_all_ways: bool) -> list[str]:
+    """Install the wheel, and run it, in three ways if asked; returns what each way showed."""
     installed = environment(python, place / "venv")
     run([installed, "-m", "pip", "install", "--quiet", f"{wheel}[mkl]"])
     shown = [f"{solve(installed, place / 'first')} as installed"]
+    if not in_all_ways:
+        return shown
     run([installed, "-m", "pip", "uninstall", "--quiet", "--yes", *MKL])
     without_mkl = solve(installed, place / "second")
     assert without_mkl == "superlu", without_mkl

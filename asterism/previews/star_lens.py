@@ -63,8 +63,8 @@ class StarLens(SheetLens):
     def __call__(self, x: Floats) -> Places:
         """The positions of the points for degrees of freedom x (N, 3) of the shell."""
         smooth, sheet = super().__call__(x), self.sheet
-        values, parts = sheet.values, sheet.model.parts
-        if "bumps" not in parts:
+        values, off = sheet.values, sheet.model.off
+        if "bumps" in off:
             return smooth
         weights = self._shares(values.sizes[:, 0])
         rim = 2.0 * smooth.mean_curvature, self._nearest, sheet.layout.spacing_mm
@@ -72,7 +72,7 @@ class StarLens(SheetLens):
         if sheet.layout.pins:
             heights *= flattening(values, weights, smooth.area)
         bumps = heights[:, None] * smooth.normals
-        if "arms that keep their length" in parts:
+        if "arms that keep their length" not in off:
             bumps += smooth.moved(self._arm_shares.along @ sheet.arms.moves(x))
         return replace(smooth, bumps=bumps)
 

@@ -279,7 +279,9 @@ class LawPlan:
             moduli = [*(e / fabric.modulus for e in (*fabric.moduli, fabric.shear_modulus)), *fabric.axes.ravel()]
         yield Trait("fabric.modulus_mpa", "material", moduli, fabric.modulus_text)
         bending = [d / fabric.modulus for d in fabric.bending_tensor]
-        yield Trait("fabric.bending_stiffness_n_mm", "material", bending, f"{bending[0]:.3g} mm^3 over the modulus")
+        along, across = f"{bending[0]:.3g}", f"{bending[2]:.3g}"
+        words = f"{along if along == across else f'[{along}, {across}]'} mm^3 over the modulus"
+        yield Trait("fabric.bending_stiffness_n_mm", "material", bending, words)
         if rods is None:
             return
         yield Trait("rods.motif", "motif", len(rods.motif), f"{len(rods.motif)} lines")

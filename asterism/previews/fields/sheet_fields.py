@@ -16,7 +16,7 @@ The logarithms of contraction and stiffnesses are averaged between stars, and th
   squared printed length.
 
 The corrections describe what cells of endless sheets of equal stars leave out. They act one after the other; each has
-its equation with its function, and a model without it lacks its name in `PreviewModel.parts`.
+its equation with its function. A model without it has its name in `PreviewModel.off`.
 """
 
 from __future__ import annotations
@@ -179,6 +179,6 @@ def sheet_fields(at: StarPlaces) -> Fields:
         np.stack([bend, bend, zero], axis=-1),
     )
     for name, correction in CORRECTIONS.items():
-        if name in at.stars.model.parts:
+        if name not in at.stars.model.off:
             fields = correction(fields, at)
     return fields

@@ -1,5 +1,6 @@
 // Rods while the brush paints them, until the server answers with its own.
 
+import { painted } from "./brush_modes.js";
 import { between, clamp, distance, falloff } from "./geometry.js";
 
 const STEP_MM = 1; // of the places along a rod whose sizes the server takes from its field, too
@@ -18,8 +19,8 @@ export function brushed(rods, brush, images, kept) {
     });
   }
   for (const { rod, k, at, old, share } of near) {
-    const wanted = mode === "smooth" ? mean(near, at, MEAN_SHARE * radius) : value;
-    rod[size][k] = clamp(old + share * (mode === "add" ? value : wanted - old), low, high);
+    const around = () => mean(near, at, MEAN_SHARE * radius);
+    rod[size][k] = clamp(painted(mode, old, share, value, around), low, high);
   }
   return pieces;
 }

@@ -9,8 +9,7 @@ import asterism.previews.sheet as sheets
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-from asterism.previews.fields.sheet_fields import CORRECTIONS
-from asterism.previews.model import PARTS, PREVIEW_MODEL, without
+from asterism.previews.model import PREVIEW_MODEL, without
 from asterism.previews.session import Preview
 from tests.asterism.previews.laws import plain_law
 
@@ -28,11 +27,6 @@ FREE = {
     "border": {"rings": 2},
     "mesh": {"edge_mm": 4.0},
 }
-
-
-@pytest.mark.parametrize("part", PARTS)
-def test_a_part_that_is_turned_off_is_another_model(part: str) -> None:
-    assert {*PARTS} - {*without(part).parts} == {part}
 
 
 @pytest.mark.parametrize("part", ALWAYS)
@@ -62,7 +56,3 @@ def test_a_preview_lays_out_its_design_once(monkeypatch: pytest.MonkeyPatch) -> 
     assert len(count) == 2
     Preview(dome, plain_law(), plan=layout(dome)).shape()
     assert len(count) == 2
-
-
-def test_the_corrections_of_the_fields_are_parts() -> None:
-    assert [part for part in PARTS if part in CORRECTIONS] == [*CORRECTIONS]

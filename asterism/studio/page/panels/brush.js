@@ -1,30 +1,11 @@
 // Panel of the brush.
 
+import { MODES, isEven } from "../brush_modes.js";
 import { bound, check, follow, h, hint, section, segments } from "../dom.js";
 import { QUANTITIES, QUANTITY_NAMES } from "../format.js";
 import { clamp } from "../geometry.js";
 import { RADII, brushOn, namesWithOwn } from "../sheet.js";
 import { numberField } from "./fields.js";
-
-const MODES = {
-  set: { text: "Set", title: "Set to a value", says: "Draws the sizes under the brush towards the target." },
-  add: {
-    text: "Add",
-    title: "Add or subtract",
-    says: "Makes the sizes under the brush larger. Alt, or a negative amount, makes them smaller.",
-  },
-  smooth: { text: "Smooth", title: "Smooth", says: "Draws every size towards the mean around it." },
-  erase: {
-    text: "Erase",
-    title: "Erase painted sizes",
-    says: "Drops painted sizes: the stars follow the profile again.",
-  },
-  remove: {
-    text: "Remove",
-    title: "Remove or restore stars",
-    says: "Removes the stars under the brush. Hold Alt to bring them back.",
-  },
-};
 
 /** Unit and factor of the numbers that both brushes have. */
 const NUMBERS = {
@@ -55,9 +36,9 @@ export function brushPanel(studio, { on }) {
   const sheet = () => store.get("sheet");
   const isOfRods = () => Boolean(sheet()?.isOfRods);
   const modes = { ...MODES };
-  for (const name of ["erase", "remove"]) modes[name] = { ...MODES[name], hidden: isOfRods };
+  for (const name of Object.keys(MODES).filter(isEven)) modes[name] = { ...MODES[name], hidden: isOfRods };
   const { brush, change, mode, says, field } = brushParts(studio, { setting: "brush", modes });
-  const isEven = () => ["erase", "remove"].includes(brush().mode);
+  const hasNoSize = () => isEven(brush().mode);
   /** What the brush may paint; sliders of rods end at usual sizes. */
   const range = () => sheet()?.range(brush().quantity, store.get("inLaw")) ?? [0, 20];
   const shown = () => [range()[0], isOfRods() ? Math.min(range()[1], QUANTITIES[brush().quantity].usual) : range()[1]];
@@ -81,7 +62,7 @@ export function brushPanel(studio, { on }) {
         options: { ...QUANTITY_NAMES, length },
         value: () => brush().quantity,
         onchange: (value) => change(valuesFor(sheet(), value)),
-        hidden: isEven,
+        hidden: hasNoSize,
       }),
       field("Target", "target", {
         step: 0.1,
@@ -97,14 +78,14 @@ export function brushPanel(studio, { on }) {
         hidden: () => brush().mode !== "add",
       }),
       field("Radius", "radius"),
-      field("Strength", "strength", { hidden: isEven }),
+      field("Strength", "strength", { hidden: hasNoSize }),
       check({
         text: "Stay within the calibrated range",
         testid: "in-law",
         ...bound(store, "inLaw"),
-        hidden: () => isEven() || isOfRods(), // cells of rods are solved for the sizes that are painted
+        hidden: () => hasNoSize() || isOfRods(), // cells of rods are solved for the sizes that are painted
       }),
-      hint(rangeText, { hidden: isEven }),
+      hint(rangeText, { hidden: hasNoSize }),
     ]),
     // not at each dab
     follow(on, ["brush", "document"], [
@@ -131,7 +112,7 @@ export function fitBrushToRods(store) {
   if (brush.quantity === "length") {
     const { target, amount } = valuesFor(store.get("sheet"), "thickness");
     store.set({ brush: { ...brush, quantity: "thickness", mode: "set", target: target + amount, amount } });
-  } else if (brush.mode === "erase" || brush.mode === "remove") store.set({ brush: { ...brush, mode: "set" } });
+  } else if (isEven(brush.mode)) store.set({ brush: { ...brush, mode: "set" } });
 }
 
 /** Mirrors and sixfold symmetry while painting. */

@@ -1,10 +1,11 @@
 // The brush: paints sizes of stars or rods along a stroke, or smooths them; erases, removes and restores stars.
 
-import { QUANTITIES, fixed } from "../../format.js";
+import { MODES, isEven, painted } from "../../brush_modes.js";
+import { QUANTITIES } from "../../format.js";
 import { clamp, falloff, images } from "../../geometry.js";
 import { namesWithOwn } from "../../sheet.js";
 import { starsWithin } from "./common.js";
-import { EVEN_MODES, StrokeTool } from "./stroke.js";
+import { StrokeTool } from "./stroke.js";
 
 export class BrushTool extends StrokeTool {
   #kept = new Set(); // names of rods that a stroke leaves as they are
@@ -15,9 +16,8 @@ export class BrushTool extends StrokeTool {
 
   down(event) {
     const { quantity, mode } = this.brush;
-    const paints = !EVEN_MODES.includes(mode);
     // a plain plan shows lengths and widths only
-    if (paints && quantity === "thickness" && this.store.get("planColour") === "none") {
+    if (!isEven(mode) && quantity === "thickness" && this.store.get("planColour") === "none") {
       this.store.set({ planColour: "thickness" });
     }
     const { design } = this.sheet;
@@ -29,7 +29,7 @@ export class BrushTool extends StrokeTool {
     const { store, edits } = this;
     const sheet = store.get("sheet");
     if (sheet.isOfRods) return this.#paintRods(sheet, at, event);
-    const { quantity, mode, radius, target, amount } = this.brush;
+    const { quantity, mode, radius } = this.brush;
     const strength = this.strengthOf(event);
     const near = starsWithin(sheet, images(at, store.get("symmetry")), radius);
     if (!near.length) return;
@@ -47,10 +47,7 @@ export class BrushTool extends StrokeTool {
       if (star.removed) continue;
       const share = strength * falloff(away / radius);
       const old = star.sizes[column];
-      let value = old;
-      if (mode === "set") value = old + share * (target - old);
-      else if (mode === "add") value = old + share * (event.alt ? -amount : amount);
-      else if (mode === "smooth") value = old + share * (this.#mean(sheet, star, column) - old);
+      const value = painted(mode, old, share, this.#value(event), () => this.#mean(sheet, star, column));
       const kept = sheet.allowed(quantity, value, store.get("inLaw"));
       if (Math.abs(kept - old) > 1e-4) values.set(star.key, kept);
     }
@@ -58,12 +55,19 @@ export class BrushTool extends StrokeTool {
   }
 
   #paintRods(sheet, at, event) {
-    const { quantity, mode, radius, target, amount } = this.brush;
+    const { quantity, mode, radius } = this.brush;
     const strength = this.strengthOf(event);
     const [low, high] = sheet.range(quantity, this.store.get("inLaw"));
-    const value = mode === "add" ? (event.alt ? -amount : amount) : clamp(target, low, high);
+    const value = mode === "add" ? this.#value(event) : clamp(this.#value(event), low, high);
     const brush = { size: QUANTITIES[quantity].key, mode, radius, strength, value, low, high };
     this.edits.brush(brush, images(at, this.store.get("symmetry")), this.#kept);
+  }
+
+  /** Of the mode: the size to set, or what is added to sizes. */
+  #value(event) {
+    const { mode, target, amount } = this.brush;
+    if (mode !== "add") return target;
+    return event.alt ? -amount : amount;
   }
 
   #mean(sheet, star, column) {
@@ -72,16 +76,13 @@ export class BrushTool extends StrokeTool {
     return others.reduce((total, other) => total + other.sizes[column], 0) / others.length;
   }
 
+  get isEven() {
+    return isEven(this.brush.mode);
+  }
+
   /** What the ring says. */
   said() {
-    const { mode, target, amount, quantity } = this.brush;
-    const { digits } = QUANTITIES[quantity];
-    return {
-      set: `${fixed(target, digits)} mm`,
-      add: `${amount < 0 ? "−" : "+"}${fixed(Math.abs(amount), digits)} mm`,
-      smooth: "smooth",
-      erase: "erase",
-      remove: "remove",
-    }[mode];
+    const { mode, quantity } = this.brush;
+    return MODES[mode].ring?.(this.brush, QUANTITIES[quantity].digits) ?? mode;
   }
 }

@@ -7,13 +7,15 @@ import { PlanTool, starsWithin } from "./common.js";
 
 const DAB_SHARE = 0.2; // distance of two dabs over the radius
 const NONE = new Set();
-export const EVEN_MODES = ["erase", "remove"]; // that do all or nothing
 const FALLOFF_STEPS = 8; // discs of the ring, one in the other, that show how a brush grows weaker
 
 /** Share of a brush's radius at which it has a weight: the inverse of `falloff`. */
 const reachOf = (weight) => Math.sqrt(1 - Math.sqrt(weight));
 
-/** A tool that paints. It has a radius under its `setting` in the store, `dab(at, event)` and `said()`. */
+/**
+ * A tool that paints. It has a radius under its `setting` in the store, `dab(at, event)`, `said()`, and `isEven` while
+ * it does all or nothing.
+ */
 export class StrokeTool extends PlanTool {
   cursor = "none";
   #at = null;
@@ -125,13 +127,13 @@ export class StrokeTool extends PlanTool {
 
   draw(context, plan, colour) {
     if (!this.#at) return;
-    const { radius, mode, strength } = this.brush;
+    const { radius, strength } = this.brush;
     const symmetry = this.store.get("symmetry");
-    const isEven = EVEN_MODES.includes(mode);
+    const isSolid = this.isEven;
     const accent = colour("accent");
-    const veil = { fill: accent, alpha: isEven ? 0.07 : (0.3 * strength + 0.03) / FALLOFF_STEPS };
+    const veil = { fill: accent, alpha: isSolid ? 0.07 : (0.3 * strength + 0.03) / FALLOFF_STEPS };
     images(this.#at, symmetry).forEach((place, k) => {
-      for (let step = 0; step < (isEven ? 1 : FALLOFF_STEPS); step++)
+      for (let step = 0; step < (isSolid ? 1 : FALLOFF_STEPS); step++)
         circle(context, plan, place, radius * reachOf(step / FALLOFF_STEPS), veil);
       circle(context, plan, place, radius, { colour: accent, width: 1.5, alpha: k ? 0.5 : 1 });
     });

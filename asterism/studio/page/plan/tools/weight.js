@@ -55,9 +55,13 @@ export class WeightTool extends StrokeTool {
     return Number(clamp(weight, ...sheet.limits.design.weight).toFixed(3));
   }
 
+  get isEven() {
+    return this.brush.mode === "erase";
+  }
+
   said() {
-    const { mode, weight } = this.brush;
-    return mode === "erase" ? "erase" : times(weight);
+    const { weight } = this.brush;
+    return this.isEven ? "erase" : times(weight);
   }
 
   draw(context, plan, colour) {
