@@ -1,7 +1,7 @@
 """Supports of the sheet: which printed places are supported, in which directions, and where they stand in space.
 
 A `PinSet` answers the questions that meshes, models, drawings and needles ask. So a new kind of pin is defined here and
-in `pattern.layout.pin_placement`, and its users stay as they are.
+in `pattern.layout.pin_placement`. Of its users, only `pattern.layout.symmetries` has to know which directions it holds.
 """
 
 from __future__ import annotations
