@@ -1,4 +1,4 @@
-"""The exact model of fabric with a grain: bending by direction, bilayers by direction, and equal moduli."""
+"""The exact model of fabric with a grain or a measured bending stiffness: plates and bilayers by direction."""
 
 from __future__ import annotations
 
@@ -44,21 +44,6 @@ def test_a_cylinder_bends_by_direction(stretch: Any, bending: str, angle: float)
     assert found == pytest.approx(0.5 * stiffness * 1e-8 * area, rel=1e-5)
 
 
-def test_equal_moduli_are_one_modulus() -> None:
-    one, two = model(modulus_mpa=7.0), model(modulus_mpa=[7.0, 7.0], grain_deg=33.0)
-    rng = np.random.default_rng(0)
-    printed = one.printed_state()
-    positions = printed.positions * 0.8 + rng.normal(0.0, 0.1, printed.positions.shape)
-    state = one.moved_to(printed, positions)
-    np.testing.assert_allclose(two.full_gradient(state), one.full_gradient(state), atol=1e-11)
-    assert two.energies(state) == pytest.approx(one.energies(state), rel=1e-12)
-    for name, part in one.parts.items():
-        hessians = part.hessians(state.packed)
-        np.testing.assert_allclose(
-            two.parts[name].hessians(state.packed), hessians, atol=1e-11 * np.abs(hessians).max()
-        )
-
-
 def test_the_order_of_both_directions_does_not_matter() -> None:
     """Not even where the fabric is sheared."""
     one, two = model(**KNIT, grain_deg=20.0), model(**KNIT | {"modulus_mpa": [4.0, 9.0]}, grain_deg=110.0)
@@ -77,6 +62,17 @@ def test_a_released_sheet_has_its_rest_size() -> None:
         part = of.parts[name]
         assert np.abs(part.energies(state.packed)).max() < 1e-14
         assert np.abs(part.gradients(state.packed)).max() < 1e-12
+
+
+@pytest.mark.parametrize("bending", ["consistent", "plate"])
+def test_the_plate_is_proportional_to_its_measured_stiffness(bending: str) -> None:
+    fabric, stiffness = {"modulus_mpa": 7.0}, 7.0 * 0.8**3 / (12.0 * (1.0 - 0.3**2))
+    measured = [model(**fabric, bending=bending, bending_stiffness_n_mm=n * stiffness) for n in (1.0, 3.0)]
+    plain = model(**fabric, bending="consistent")
+    shape = bent(plain, 1e-3, 20.0)
+    plate, same, thrice = (float(one.parts["plate"].energies(shape).sum()) for one in (plain, *measured))
+    assert (same, thrice) == pytest.approx((plate, 3.0 * plate), rel=1e-12)
+    np.testing.assert_array_equal(plain.parts["membrane"].params, measured[1].parts["membrane"].params)
 
 
 @pytest.mark.slow

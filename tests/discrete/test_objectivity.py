@@ -102,24 +102,6 @@ def test_rotation(axis, angle):
     assert_gradient(MODEL.full_gradient(moved), np.concatenate([forces.ravel(), GRADIENT[N:]]))
 
 
-@settings(max_examples=10)
-@given(axis=directions, angle=turns)
-def test_rotation_by_time_parallel_steps(axis, angle):
-    """Parallel transport rotates a director by w . t less than the body, as in `rigid_motions`; second order."""
-    w = axis / np.linalg.norm(axis)
-    error = []
-    for steps in (40, 80):
-        state = STATE
-        for _ in range(steps):
-            t = state.positions[MODEL.edges[:, 1]] - state.positions[MODEL.edges[:, 0]]
-            middle = rotated(t, axis, 0.5 * angle / steps) / np.linalg.norm(t, axis=1, keepdims=True)
-            positions = rotated(state.positions, axis, angle / steps)
-            state = moved_state(state, MODEL.edges, positions, angle / steps * (middle @ w))
-        error.append(np.abs(state.directors - rotated(STATE.directors, axis, angle)).max())
-    assert error[0] < 1e-2 * angle**2 + 1e-12
-    assert error[1] < 0.3 * error[0] + 1e-12
-
-
 def test_no_net_force_and_no_net_moment():
     held = np.zeros(len(GRADIENT), dtype=bool)
     modes = np.linalg.qr(rigid_motions(STATE, MODEL.edges, held, np.arange(len(held))))[0]

@@ -34,16 +34,11 @@ def mass(stars: int) -> float:
     return 1e-9 * (300.0 * 0.7 * 50.0 * 40.0 + 1200.0 * stars * 3 * 6.0 * 0.4 * 1.1)
 
 
-def test_the_weight_is_that_of_fabric_and_plastic() -> None:
-    m = model()
-    total = m.load.reshape(-1, 3).sum(axis=0)
-    np.testing.assert_allclose(total, [0.0, 0.0, -GRAVITY * mass(len(m.layout.centres))], rtol=1e-9, atol=1e-15)
-
-
-def test_the_weight_has_the_direction_of_gravity() -> None:
-    m = model(gravity={"on": True, "direction": [3.0, 0.0, -4.0], "acceleration_m_s2": 1.62})
-    total = m.load.reshape(-1, 3).sum(axis=0)
-    np.testing.assert_allclose(total, 1.62 * mass(len(m.layout.centres)) * np.array([0.6, 0.0, -0.8]), rtol=1e-9)
+def test_the_weight_is_that_of_fabric_and_plastic_along_gravity() -> None:
+    moon = {"on": True, "direction": [3.0, 0.0, -4.0], "acceleration_m_s2": 1.62}
+    for m, pull in ((model(), [0.0, 0.0, -GRAVITY]), (model(gravity=moon), 1.62 * np.array([0.6, 0.0, -0.8]))):
+        total = m.load.reshape(-1, 3).sum(axis=0)
+        np.testing.assert_allclose(total, mass(len(m.layout.centres)) * np.array(pull), rtol=1e-9, atol=1e-15)
 
 
 @pytest.mark.slow
@@ -150,12 +145,6 @@ def test_stars_of_every_size_take_the_side_of_their_branch(branch: str, size: fl
     one, other = (solve_on_mesh(similar(*each, branch, thickness=0.2)) for each in ((1.0, 1.0), (size, stiff)))
     assert one.stars_up == other.stars_up == (branch == "up")
     assert_similar(one, other, size, stiff)
-
-
-@pytest.mark.slow
-def test_other_starts_of_similar_sheets_end_in_similar_shapes() -> None:
-    small, large = (solve_on_mesh(similar(size, thickness=0.4, rings=1), BENT) for size in (0.5, 4.0))
-    assert_similar(small, large, 8.0)
 
 
 @pytest.mark.parametrize("start", [ReleaseStart(), BENT, ReleaseStart(bumps=False, bend="saddle", sag_mm=20.0)])

@@ -8,7 +8,7 @@ import pytest
 from asterism.discrete.energies.bending.hinges import interior_edges
 from asterism.discrete.energies.elements import Elements
 from asterism.discrete.energies.membrane import Membrane
-from asterism.discrete.energies.side_membrane import FLAT_SHARE, SideMembrane, flat_share
+from asterism.discrete.energies.side_membrane import SideMembrane, flat_share
 from asterism.equilibrium.arrays import Array
 from asterism.homogenize.cell.unit_cell import UnitCell
 from asterism.pattern.design.design import Design
@@ -103,15 +103,6 @@ def test_flat_sheets_have_no_modes_without_energy():
                 whole[np.ix_(dofs, dofs)] += block
         smallest.append(np.linalg.eigvalsh(whole[np.ix_(free, free)])[0])
     assert smallest[1] > 0.7 * smallest[0] > 0.0
-
-
-def test_shares_of_all_elements_make_up_the_sheet():
-    """Also where triangles stand alone at the border, and on a closed mesh."""
-    points, triangles = MESHES["random"](4.0)
-    flat, sides = smooth(triangles, points)
-    assert isinstance(flat, Membrane)
-    assert flat.params[:, 6].sum() + sides.params[:, 6].sum() == pytest.approx(flat.whole[:, 6].sum(), rel=1e-12)
-    assert flat_share(triangles, False).min() == pytest.approx(FLAT_SHARE) == flat_share(triangles, True).max()
 
 
 def test_a_plate_has_smooth_strains_and_hinges_have_flat_triangles():

@@ -9,7 +9,7 @@ from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State, rotate_vectors
 from asterism.discrete.release.ladder import Ladder
 from asterism.discrete.release.levels import SharedSearch, solve_on_meshes
-from asterism.discrete.release.prolongation import extrapolate, interpolate_surface, plastic_normals, rotation_vectors
+from asterism.discrete.release.prolongation import extrapolate, interpolate_surface, plastic_normals
 from asterism.equilibrium.arrays import Array
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
@@ -52,15 +52,6 @@ def test_held_vertices_stay() -> None:
     held = m.constraints.held
     found = extrapolate(m, rolled(m, 40.0), rolled(m, 25.0), 0.7)
     np.testing.assert_array_equal(found.positions[held], rolled(m, 25.0).positions[held])
-
-
-def test_rotation_vectors_invert_the_exponential() -> None:
-    rng = np.random.default_rng(0)
-    spin = rng.normal(size=(20, 3))
-    spin *= (np.linspace(0.0, 3.0, 20) / np.linalg.norm(spin, axis=1))[:, None]
-    before = np.eye(3) + 0.2 * rng.normal(size=(20, 3, 3))
-    after = rotate_vectors(spin, before.transpose(0, 2, 1)).transpose(0, 2, 1)
-    np.testing.assert_allclose(rotation_vectors(before, after), spin, atol=1e-9)
 
 
 @pytest.mark.slow

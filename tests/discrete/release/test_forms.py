@@ -10,13 +10,13 @@ import pytest
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
-from asterism.discrete.model.discrete_model import DiscreteModel, add_bumps, bump_heights
+from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State
 from asterism.discrete.release.continuation import solve_on_mesh
 from asterism.discrete.release.equilibrium import roll_axis_deg
 from asterism.discrete.release.forms import ExactForm, distinct_forms, find_minima
 from asterism.discrete.release.ladder import Ladder
-from asterism.discrete.release.release_start import BRANCH_NUDGE_MM, MIN_BRANCH_BUMP_MM, ReleaseStart, release_starts
+from asterism.discrete.release.release_start import ReleaseStart, release_starts
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.geometry.normals import vertex_normals
@@ -129,20 +129,6 @@ def test_the_first_start_is_the_default_and_the_sequence_is_fixed() -> None:
     assert len({(b.bend, b.axis_deg, b.sag_mm, b.releases, b.seed, b.branch) for b in once}) == 30
 
 
-def test_rolls_and_saddles_have_evenly_spread_axes() -> None:
-    """The axes of a cycle of nine starts are perpendicular, and halve the angles between earlier ones."""
-    starts = release_starts(7, 1 + 4 * 9, ReleaseStart())
-    rolls = [b.axis_deg for b in starts if b.bend == "roll" and not b.name.startswith("tight")]
-    assert rolls == [0.0, 90.0, 45.0, 135.0, 22.5, 112.5, 67.5, 157.5]
-    tight = [b.axis_deg for b in starts if b.name.startswith("tight")]
-    assert tight == rolls[::2] and [b.axis_deg for b in starts if b.bend == "saddle"] == rolls[1::2]
-
-
-def test_at_least_one_start_is_needed() -> None:
-    with pytest.raises(ValueError, match="at least 1"):
-        find_minima(ladder(model(rings=0)), 0)
-
-
 @pytest.mark.slow
 def test_many_starts_find_the_default_minimum_and_others() -> None:
     m = model(rings=0, fabric={"bending": "paper"})
@@ -199,35 +185,10 @@ def test_flat_stars_are_on_no_side() -> None:
     assert len(distinct_forms(forms, symmetries(m.design, m.layout))) == 1
 
 
-LEFT = (0.3, 1.0)
-
-
 @cache
 def stars_model(held: bool = False) -> DiscreteModel:
     data = gallery.load("tube").to_dict() | {"border": {"rectangle_mm": [70.0, 60.0]}}
     return model_of(data | {"pins": [{"where": "border", "scale": 0.9}] if held else []}, 4.0)
-
-
-def bent(**how: object) -> tuple[np.ndarray, np.ndarray]:
-    """(V,) printed distances along and across the axis at 30 degrees over half the diagonal, and heights in mm."""
-    start = ReleaseStart(bumps=False, noise_mm=0.0, axis_deg=30.0, **how)  # type: ignore[arg-type]
-    axis = np.array([[np.sqrt(0.75), 0.5], [-0.5, np.sqrt(0.75)]])
-    return stars_model().mesh.points @ axis.T / np.hypot(35.0, 30.0), start.initial_state(stars_model()).positions[:, 2]
-
-
-def test_domes_fall_to_all_sides_and_saddles_only_across_their_ridge() -> None:
-    (along, across), z = (each.T for each in bent(bend="dome", sag_mm=7.0))
-    np.testing.assert_allclose(z, -7.0 * (across**2 + along**2), atol=1e-9)
-    (along, across), z = (each.T for each in bent(bend="saddle", sag_mm=7.0))
-    np.testing.assert_allclose(z, -7.0 * (across**2 - along**2), atol=1e-9)
-
-
-@pytest.mark.parametrize("sag", [5.0, 500.0])
-def test_half_angle_of_rolls_is_limited(sag: float) -> None:
-    size = np.hypot(35.0, 30.0)
-    turn = min(2.0 * sag / size, 2.5)
-    (_, across), z = (each.T for each in bent(bend="roll", sag_mm=sag))
-    np.testing.assert_allclose(z, size / turn * (np.cos(turn * across) - 1.0), atol=1e-9)
 
 
 def test_noise_does_not_move_held_components() -> None:
@@ -237,22 +198,3 @@ def test_noise_does_not_move_held_components() -> None:
     assert held.any()
     np.testing.assert_array_equal(noisy[held], quiet[held])
     assert np.abs(noisy - quiet)[~held].std() > 0.2
-
-
-def test_nearly_flat_stars_are_nudged_before_the_last_release() -> None:
-    sheet = stars_model()
-    low, high = (
-        add_bumps(sheet, sheet.flat_state(), np.full(7, height))
-        for height in (0.5 * MIN_BRANCH_BUMP_MM, 3.0 * MIN_BRANCH_BUMP_MM)
-    )
-    assert bump_heights(sheet, low).min() > 0.0 and bump_heights(sheet, low).max() < MIN_BRANCH_BUMP_MM
-    try:
-        sheet.set_release(0.3)
-        nudged, kept = (ReleaseStart(releases=LEFT).restore_branches(sheet, state) for state in (low, high))
-        gained = bump_heights(sheet, nudged) - bump_heights(sheet, low)
-        assert gained.min() > 0.5 * BRANCH_NUDGE_MM
-        np.testing.assert_allclose(kept.positions, high.positions)
-    finally:
-        sheet.set_release(1.0)
-    last = ReleaseStart(releases=LEFT).restore_branches(sheet, low)
-    np.testing.assert_allclose(last.positions, low.positions)

@@ -60,12 +60,6 @@ def test_a_coarse_mesh_is_solved_as_accurately_as_the_next_mesh_needs() -> None:
     np.testing.assert_allclose(early.state.rotated(rotation, shift).positions, accurate.state.positions, atol=1e-3)
 
 
-@pytest.mark.slow
-def test_small_models_have_one_level() -> None:
-    _, levels = solve_on_meshes(search(3.0))
-    assert len(levels) == 1
-
-
 def test_prolongation_keeps_the_length_of_the_arms_and_the_shape() -> None:
     coarse, fine = model(3.4), model(1.7)
     found = solve_on_mesh(coarse)

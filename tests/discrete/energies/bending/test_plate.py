@@ -11,7 +11,7 @@ from scipy.sparse.linalg import spsolve
 
 from asterism.discrete.energies.bending.hinges import Hinges, fold_coefficients, interior_edges
 from asterism.discrete.energies.bending.plate import Plate
-from asterism.discrete.energies.bending.plate_patches import MAX_CURVATURE_GAIN, patches
+from asterism.discrete.energies.bending.plate_patches import patches
 from asterism.discrete.energies.membrane import Membrane
 from asterism.discrete.model.state import State
 from asterism.discrete.model.system import System
@@ -25,7 +25,6 @@ from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.meshing import MeshKind, mesh_layout
 from asterism.pattern.mesh.triangulate import triangulate
 from tests.discrete.samples import plate as plate_sample
-from tests.discrete.samples import rotation
 from tests.discrete.test_fabric import MESHES, MODULUS, POISSON, SHAPES, SIDE, THICKNESS, area, right_triangles
 
 STIFFNESS = MODULUS * THICKNESS**3 / (12.0 * (1.0 - POISSON**2))
@@ -95,38 +94,15 @@ def sphere(x: Array, y: Array) -> Array:
     return np.column_stack([x * flat, y * flat, (1.0 - np.cos(CURVATURE * r)) / CURVATURE])
 
 
-def saddle(x: Array, y: Array) -> Array:
-    """The sheet as a graph over the plane."""
-    return np.column_stack([x, y, 0.5 * CURVATURE * (x**2 - y**2)])
-
-
-def saddle_energy() -> float:
-    """Exact energy of the graph, from its mean and Gaussian curvature at Gauss points of the printed square."""
-    nodes, weights = np.polynomial.legendre.leggauss(20)
-    x, y = np.meshgrid(0.5 * SIDE * nodes, 0.5 * SIDE * nodes)
-    w = 0.25 * SIDE**2 * np.outer(weights, weights)
-    k, zx, zy = CURVATURE, CURVATURE * x, -CURVATURE * y
-    g = 1.0 + zx**2 + zy**2
-    trace = k * ((1.0 + zy**2) - (1.0 + zx**2)) / g**1.5
-    gauss = -(k**2) / g**2
-    density = (1.0 - POISSON) * (trace**2 - 2.0 * gauss) + POISSON * trace**2
-    return float(0.5 * STIFFNESS * (w * density).sum())
-
-
 SURFACES = {
     "cylinder": (cylinder, 0.5 * STIFFNESS * CURVATURE**2 * SIDE**2),
     "sphere": (sphere, (1.0 + POISSON) * STIFFNESS * CURVATURE**2 * SIDE**2),
-    "saddle": (saddle, saddle_energy()),
 }
 
 
-# a saddle's energy density is not uniform, so its energy over meshes that do not fill the square has no closed form
-FILLING = {mesh for mesh, make in MESHES.items() if abs(area(*make(1.0)).sum() / SIDE**2 - 1.0) < 1e-9}
-CASES = [(mesh, surface) for mesh in MESHES for surface in SURFACES if surface != "saddle" or mesh in FILLING]
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize(("mesh", "surface"), CASES)
+@pytest.mark.parametrize("mesh", MESHES)
+@pytest.mark.parametrize("surface", SURFACES)
 def test_energy_of_a_surface_converges(mesh, surface):
     """Whole sheets on surfaces with slopes up to 45 degrees: the error is of second order in the edge."""
     place, energy = SURFACES[surface]
@@ -144,17 +120,6 @@ def test_energy_of_a_surface_converges(mesh, surface):
     assert error[-1] < (2e-2 if mesh == "random" else 2e-3)
     assert rate > (1.2 if mesh == "random" else 1.7)
     assert np.polyfit(np.log(edges), np.log(fold), 1)[0] > 1.7
-
-
-@pytest.mark.parametrize("mesh", MESHES)
-def test_patches_are_six_different_vertices_in_general_position(mesh):
-    points, triangles = MESHES[mesh](2.0)
-    patch = patches(triangles, points)
-    assert (np.diff(np.sort(patch.vertices, axis=1), axis=1) > 0).all()
-    np.testing.assert_array_equal(patch.vertices[:, :3], triangles)
-    gain = (patch.second**2 @ [1.0, 2.0, 1.0]).sum(axis=1) * patch.area**2
-    if mesh != "random":
-        assert gain.max() <= 2.0 * MAX_CURVATURE_GAIN
 
 
 def quality(edge: float) -> tuple[Array, Array]:
@@ -206,31 +171,6 @@ def test_two_triangles_are_too_few():
     """Four vertices do not determine a quadratic: `MeshError`."""
     with pytest.raises(MeshError, match="six vertices"):
         patches(np.array([[0, 1, 2], [2, 1, 3]]), np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]]))
-
-
-def test_objectivity():
-    """Rotation, translation, reflection and renumbering change neither energy nor forces."""
-    rng = np.random.default_rng(3)
-    points, triangles = MESHES["jittered"](3.0)
-    positions = np.column_stack([1.2 * points, 3.0 * np.sin(points[:, 0] / 4.0) * np.cos(points[:, 1] / 5.0)])
-    positions += 0.2 * rng.normal(size=positions.shape)
-    elements = Plate(triangles, points, KNIT)
-    energy = elements.energies(positions.ravel()).sum()
-    forces = np.bincount(elements.dofs.ravel(), elements.gradients(positions.ravel()).ravel()).reshape(-1, 3)
-    turn = rotation(rng)
-    moved = positions @ turn.T + [1.0, 2.0, 3.0]
-    assert elements.energies(moved.ravel()).sum() == pytest.approx(energy, rel=1e-12)
-    again = np.bincount(elements.dofs.ravel(), elements.gradients(moved.ravel()).ravel()).reshape(-1, 3)
-    np.testing.assert_allclose(again, forces @ turn.T, atol=1e-11 * np.abs(forces).max())
-    np.testing.assert_allclose(forces.sum(axis=0), 0.0, atol=1e-11 * np.abs(forces).max())
-    np.testing.assert_allclose(np.cross(positions, forces).sum(axis=0), 0.0, atol=1e-9 * np.abs(forces).max())
-    assert elements.energies((positions * [1.0, 1.0, -1.0]).ravel()).sum() == pytest.approx(energy, rel=1e-12)
-    mirrored = Plate(triangles[:, ::-1].copy(), points * [-1.0, 1.0], KNIT)
-    assert mirrored.energies(positions.ravel()).sum() == pytest.approx(energy, rel=1e-12)
-    new = rng.permutation(len(points))
-    old = np.argsort(new)
-    shuffled = Plate(rng.permutation(np.roll(new[triangles], 1, axis=1)), points[old], KNIT)
-    assert shuffled.energies(positions[old].ravel()).sum() == pytest.approx(energy, rel=1e-12)
 
 
 def test_energy_of_folds_grows_with_the_angle():
