@@ -128,11 +128,6 @@ def test_a_damaged_file_is_solved_again(samples: Path, records: list[SampleRecor
     assert told[0].done == len(records) - 2
 
 
-def test_at_least_one_job_is_needed(tmp_path: Path) -> None:
-    with pytest.raises(ValueError, match="at least 1"):
-        run_campaign(plan(), tmp_path, 0, respond=fake.solve_cell)
-
-
 def test_bare_fabric_without_an_answer_says_why(records: list[SampleRecord]) -> None:
     wrong = [
         replace(r, sample={**r.sample, "bending": [-1.0, -1.0, -1.0]}) if r.sample and r.task.is_bare else r

@@ -234,19 +234,6 @@ def test_plans_without_graded_cells_are_refused(data: dict[str, Any], words: str
     assert refused.value.field == "plan.graded"
 
 
-@pytest.mark.parametrize(
-    ("fabric", "field"),
-    [
-        ({"bending": "paper", "bending_stiffness_n_mm": 0.02}, "fabric.bending_stiffness_n_mm"),
-        ({"bending": "consistent", "bending_stiffness_n_mm": 0.02}, "fabric.modulus_mpa"),
-    ],
-)
-def test_a_material_with_a_measured_stiffness_needs_what_a_design_needs(fabric: dict[str, Any], field: str) -> None:
-    with pytest.raises(DesignError) as refused:
-        Material.from_dict({"fabric": fabric})
-    assert refused.value.field == field
-
-
 def test_plate_and_hinges_refuse_the_law_of_each_other() -> None:
     hinges = plates(fabric={"bending": "paper"}, mesh={})
     paper, plate = (StarLaw(plan_for_sizes(each, SIZES), load_law().tables, [], {}) for each in (hinges, plates()))

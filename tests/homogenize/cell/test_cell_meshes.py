@@ -87,25 +87,6 @@ def test_invariants(lattice: dict[str, Any], length: float, edge: float, repeat:
         assert {tuple(row) for row in pairs.tolist()} <= known
 
 
-def test_several_cells_are_the_same_mesh_again() -> None:
-    """Every point, triangle, hinge and arm of 2 x 3 cells lies on one of the single cell."""
-    one, many = (mesh({"arms": 5}, 6.0, 2.9, repeat) for repeat in ((1, 1), (2, 3)))
-
-    def places(torus: PeriodicMesh, vertices: np.ndarray) -> np.ndarray:
-        middle = torus.points[vertices].mean(axis=1) @ np.linalg.inv(one.cell_vectors)
-        return np.round(middle % 1.0, 7) % 1.0
-
-    for kind in ("triangles", "hinges"):
-        rows, counts = np.unique(places(many, getattr(many, kind)), axis=0, return_counts=True)
-        assert (counts == 6).all()
-        np.testing.assert_allclose(rows, np.unique(places(one, getattr(one, kind)), axis=0), atol=1e-6)
-    assert many.n_base == 6 * one.n_base
-    assert len(many.rods) == 6 * len(one.rods)
-    assert len(many.star_vertices) == 6
-    for rod, star in zip(many.rods, many.arm_star, strict=True):
-        assert rod[0] == many.star_vertices[star]
-
-
 @pytest.mark.parametrize("turn", [72.0, -72.0, 360.0])
 def test_a_star_turned_onto_itself_has_the_same_mesh(turn: float) -> None:
     one, other = (mesh({"arms": 5, "orientation_deg": angle}, 6.0) for angle in (0.0, turn))
@@ -121,14 +102,6 @@ def test_arms_are_cut_finer_beside_others() -> None:
     alone = mesh({"arms": 5}, 5.8, 2.9)
     for rod in alone.rods:
         np.testing.assert_allclose(np.linalg.norm(np.diff(alone.points[rod], axis=0), axis=1), 2.9, rtol=1e-9)
-
-
-def test_tips_that_meet_are_one_point() -> None:
-    """Two of the eight arms on a square lattice end where their neighbours' do."""
-    star = design(0.5 * 10 * np.sqrt(3.0), lattice={"arms": 8, "kind": "square"})
-    torus = cell_mesh(star, 1.92)
-    tips = torus.base[[rod[-1] for rod in torus.rods]]
-    assert len(np.unique(tips)) == 6
 
 
 def test_arms_that_overlap_are_refused() -> None:
@@ -171,25 +144,6 @@ def test_arms_along_the_lattice_are_so_in_any_basis(basis, arms):
     assert aligned_lines(star.lattice) is not None
     torus = cell_mesh(star, 3.0)
     assert triangle_areas(torus.points, torus.triangles).min() > 0.0
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("edge", [0.667, 1.2, 2.0, 3.0])
-@pytest.mark.parametrize(
-    ("lattice", "length"),
-    [
-        ({"kind": "square", "spacing_mm": 16.0, "arms": 4}, 7.0),
-        ({"kind": "custom", "vectors_mm": [[10.0, 0.0], [0.0, 14.0]], "arms": 4}, 5.0),
-        ({"kind": "triangular", "spacing_mm": 17.0, "arms": 6}, 8.0),
-        ({"kind": "triangular", "spacing_mm": 17.0, "arms": 3}, 16.9),
-    ],
-)
-def test_arms_have_their_length(lattice, length, edge):
-    """On links with arms from both ends too, whether or not the tips meet."""
-    star = design(length, lattice=lattice)
-    torus = cell_mesh(star, edge)
-    for rod in torus.rods:
-        assert np.linalg.norm(torus.points[rod[-1]] - torus.points[rod[0]]) == pytest.approx(length, rel=1e-9)
 
 
 @pytest.mark.parametrize("miss", [0.0, 4e-7, -4e-7])

@@ -10,10 +10,8 @@ from scipy.optimize import minimize
 
 from asterism.discrete.energies.rods.network import torsion_constant
 from asterism.homogenize.cell.flat_cell import relax_flat_cell
-from asterism.homogenize.cell.rolling import roll_cell, unrolled_flat_cell
 from asterism.homogenize.cell.unit_cell import UnitCell
 from asterism.pattern.design.design import Design
-from asterism.pattern.design.materials import rest_curvature
 from tests.homogenize.linear_cell import effective_stiffness
 from tests.homogenize.motifs import Pattern, grid, motif_design, parallel
 
@@ -106,21 +104,3 @@ def test_shear_of_a_grid_is_that_of_a_frame_with_rigid_joints() -> None:
         stiffness = effective_stiffness(cell, relax_flat_cell(cell)).stiffness
         errors.append(abs(stiffness[2, 2] / expected - 1.0))
     assert errors[1] < 0.015 and errors[0] > 3.5 * errors[1]
-
-
-@pytest.mark.slow
-def test_a_solid_layer_of_lines_rolls_as_timoshenkos_bilayer() -> None:
-    """As the sheet of `tests/validation/test_drawn_patterns.py` does."""
-    plastic = {"rest_curvature": "timoshenko", "modulus_ratio": 1600.0}
-    design = motif_design(parallel(1.2001), THICKNESS, plastic=plastic)
-    cell = UnitCell(design, 1.0)
-    flat = relax_flat_cell(cell)
-    expected = float(rest_curvature(THICKNESS, design.fabric, design.plastic))
-    start = unrolled_flat_cell(flat, -np.pi / 2)
-    less, more = (roll_cell(cell, start, part * expected, -np.pi / 2) for part in (0.9, 1.1))
-    part = less.moment / (less.moment - more.moment)
-    curvature = (1.0 - part) * less.contracted_curvature + part * more.contracted_curvature
-    assert 0.97 < curvature / expected < 1.0
-    # across the lines, fabric that is stretched along them contracts as neo-Hookean rubber does
-    rest = minimize(density(design, (True, False), 1.2001), [1.0, 0.5], method="Nelder-Mead", options={"xatol": 1e-9})
-    assert less.axial == pytest.approx(np.sqrt(rest.x[1]), rel=1e-3)

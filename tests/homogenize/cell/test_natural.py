@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -40,15 +38,6 @@ def test_both_ways_end_at_the_same_tube(length: float, thickness: float) -> None
     assert sum(tube.iterations for tube in helped.tubes) <= sum(tube.iterations for tube in alone.tubes)
 
 
-def test_the_short_way_skips_the_steps_between() -> None:
-    """It goes from the first small curvature to where the other direction's natural one was."""
-    cell, flat = relaxed(7.0, 0.3)
-    first = trace_tubes(cell, flat, 0.0)
-    alone, helped = trace_tubes(cell, flat, OTHER), trace_tubes(cell, flat, OTHER, first)
-    assert len(helped.tubes) < len(alone.tubes)
-    assert np.diff([tube.curvature for tube in helped.tubes]).max() > 0.7 * _natural(first).curvature
-
-
 def test_a_tight_tube_is_no_guide() -> None:
     """Tight curls differ from direction to direction, and may be on another branch: the long way is taken."""
     cell, flat = relaxed(10.0, 0.2)
@@ -66,32 +55,19 @@ def _wrong_sign(first: TubeBranch) -> TubeBranch:
     return TubeBranch(tubes, tubes[0])
 
 
-def _falling_moment(first: TubeBranch) -> TubeBranch:
-    """Says that the moment falls with curvature."""
-    return replace(first, tubes=[replace(tube, moment=-tube.moment) for tube in first.tubes])
-
-
-def _far_too_little(first: TubeBranch) -> TubeBranch:
-    """Says that the sheet hardly curls."""
-    return TubeBranch(first.tubes, first.tubes[0])
-
-
 def _slight(first: TubeBranch) -> TubeBranch:
     """Has no natural tube."""
     return TubeBranch(first.tubes[:1], None, 1e-4, 1.0)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("useless", "long_way"), [(_wrong_sign, True), (_falling_moment, True), (_slight, True), (_far_too_little, False)]
-)
-def test_a_useless_tube_does_no_harm(useless, long_way: bool) -> None:  # type: ignore[no-untyped-def]
+@pytest.mark.parametrize("useless", [_wrong_sign, _slight])
+def test_a_useless_tube_does_no_harm(useless) -> None:  # type: ignore[no-untyped-def]
     cell, flat = relaxed(10.0, 0.4)
     alone = trace_tubes(cell, flat, OTHER)
     misled = trace_tubes(cell, flat, OTHER, useless(trace_tubes(cell, flat, 0.0)))
     _same(misled, alone)
-    if long_way:
-        assert [tube.curvature for tube in misled.tubes] == pytest.approx([tube.curvature for tube in alone.tubes])
+    assert [tube.curvature for tube in misled.tubes] == pytest.approx([tube.curvature for tube in alone.tubes])
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.4])

@@ -76,22 +76,13 @@ def test_a_reflection_about_a_mirror_line_maps_the_lattice_onto_itself(kind: str
 
 @pytest.mark.slow
 @pytest.mark.parametrize("turn", [0.0, 7.0])
-@pytest.mark.parametrize("arms", [3, 4, 5, 6, 8])
+@pytest.mark.parametrize("arms", [4, 5, 6])
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_mesh_has_the_symmetry(kind: str, arms: int, turn: float) -> None:
     star = design(5.0, lattice={"arms": arms, "orientation_deg": turn, **KINDS[kind]})
     mesh = cell_mesh(star, EDGE)
     for symmetry in point_group(star.lattice):
         assert moved_misfit(mesh, symmetry) == (0, 0)
-
-
-def test_the_grid_of_a_square_lattice_has_not_all_of_it() -> None:
-    """Its triangles have one diagonal of each square; only the arms have the symmetry."""
-    vectors = np.asarray(Lattice(kind="square").vectors)
-    grid = aligned_cell_mesh(vectors, np.array([0, 1, 3, 4]), np.full(4, 7.0), EDGE)
-    quarter = np.array([[0.0, -1.0], [1.0, 0.0]])
-    triangles, arms = moved_misfit(grid, quarter)
-    assert triangles > 0 and arms == 0
 
 
 @pytest.mark.parametrize("arms", [3, 6])
@@ -130,16 +121,6 @@ def test_a_flat_cell_that_bends_to_a_saddle_gets_the_symmetry_back() -> None:
     metric = sample.rest_metric
     assert metric is not None
     np.testing.assert_allclose(metric, metric[0, 0] * np.eye(2), atol=1e-12)
-
-
-@pytest.mark.slow
-def test_a_cell_that_keeps_its_symmetry_keeps_its_digits(monkeypatch: pytest.MonkeyPatch) -> None:
-    """The paper's star, three arms on a triangular lattice."""
-    star = design(8.0)
-    found = solve_cell(star, EDGE).to_dict()
-    monkeypatch.setattr("asterism.homogenize.cell.sample.symmetric_responses", lambda responses, *_: responses)
-    plain = solve_cell(star, EDGE).to_dict()
-    np.testing.assert_equal(found, plain)
 
 
 def test_equal_directions_get_the_responses_of_lowest_energy() -> None:
