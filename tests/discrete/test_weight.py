@@ -78,7 +78,7 @@ def hung(
         "fabric": {"modulus_mpa": modulus},
         "stars": {"length_mm": 10.0, "thickness_mm": 0.3},
         "border": {"rings": 1},
-        "mesh": {"edge_mm": 3.0},
+        "mesh": {"edge_mm": 5.0},
         "gravity": {"on": True, "direction": direction},
     }
     m = model_of(data | {"pins": [pins]})

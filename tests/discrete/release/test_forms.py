@@ -127,6 +127,8 @@ def test_the_first_start_is_the_default_and_the_sequence_is_fixed() -> None:
     assert once[:12] == again
     assert once[0] == ReleaseStart(seed=3)
     assert len({(b.bend, b.axis_deg, b.sag_mm, b.releases, b.seed, b.branch) for b in once}) == 30
+    with pytest.raises(ValueError, match="at least 1"):
+        find_minima(ladder(model(rings=0)), 0)
 
 
 @pytest.mark.slow

@@ -26,6 +26,15 @@ def model(edge: float, **changes: object) -> DiscreteModel:
     return model_of(data | changes, edge)
 
 
+FINE_MM = 1.6
+
+
+@pytest.fixture(autouse=True)
+def small_meshes(monkeypatch: pytest.MonkeyPatch) -> None:
+    """So that a search on FINE_MM has a coarser mesh before."""
+    monkeypatch.setattr("asterism.discrete.release.ladder.COARSE_VERTICES", 500)
+
+
 def search(edge: float, **changes: object) -> SharedSearch:
     """All meshes of a search that ends on this edge."""
     fine = model(edge, **changes)
@@ -39,8 +48,8 @@ SLIT = {"polygon_mm": [[-25, -25], [25, -25], [25, -0.05], [3, 0], [25, 0.05], [
 @pytest.mark.parametrize("border", [{"rings": 1}, SLIT])
 @pytest.mark.slow
 def test_levels_agree_with_one_mesh(border: dict[str, object]) -> None:
-    fine = model(1.0, border=border)
-    found, levels = solve_on_meshes(search(1.0, border=border))
+    fine = model(FINE_MM, border=border)
+    found, levels = solve_on_meshes(search(FINE_MM, border=border))
     assert [level.vertices for level in levels][-1] == fine.n_vertices
     assert len(levels) == 2 and levels[0].vertices < fine.n_vertices / 2
     assert found.iterations == sum(level.iterations for level in levels)
@@ -96,7 +105,7 @@ def test_one_state_up_to_rigid_motions_but_not_up_to_mirrors() -> None:
 
 @pytest.mark.slow
 def test_a_second_search_joins_the_first_and_costs_less() -> None:
-    shared = search(1.0)
+    shared = search(FINE_MM)
     first, levels = solve_on_meshes(shared)
     assert len(shared.ends) == 2 and shared.joined_at is None and len(levels) == 2
 
@@ -108,13 +117,13 @@ def test_a_second_search_joins_the_first_and_costs_less() -> None:
     assert second.iterations == joined[0].iterations < first.iterations / 2 and joined[1].iterations == 0
     assert sum(step.iterations for step in second.path) == second.iterations
     # it ends where it would have ended alone
-    alone, _ = solve_on_meshes(search(1.0), near=lambda points: start)
+    alone, _ = solve_on_meshes(search(FINE_MM), near=lambda points: start)
     assert alone.energy == pytest.approx(second.energy, rel=1e-9)
 
 
 @pytest.mark.slow
 def test_a_second_search_goes_on_alone_where_it_must() -> None:
-    shared = search(1.0)
+    shared = search(FINE_MM)
     first, _ = solve_on_meshes(shared)
     shared.ends[-1] = replace(first, smallest_eigenvalue=-1.0)  # the first search has found no minimum
     second, levels = solve_on_meshes(shared)

@@ -76,11 +76,6 @@ def test_what_nobody_closes_gives_its_memory_back() -> None:
     assert not release.alive
 
 
-def test_something_fast_is_installed():
-    assert "superlu" in available()
-    assert make_factor(PATTERN).name == available()[0]
-
-
 def test_unknown_backend_is_named_with_what_there_is():
     with pytest.raises(ValueError, match=r"'umfpack'.*superlu"):
         make_factor(PATTERN, "umfpack")
@@ -111,18 +106,6 @@ def test_inputs_are_left_alone(factor):
     np.testing.assert_array_equal(x, kept)
 
 
-def test_same_solution_from_all_backends():
-    data, b = shifted(laplacian(3), 1e-3), np.random.default_rng(2).normal(size=PATTERN.size)
-    found = []
-    for name in available():
-        factor = make_factor(PATTERN, name)
-        assert factor.factorise(data)
-        found.append(factor.solve(b))
-        factor.close()
-    for x in found[1:]:
-        np.testing.assert_allclose(x, found[0], atol=1e-10 * np.abs(found[0]).max())
-
-
 def test_two_factors_at_once(factor):
     """Each keeps its own matrix."""
     other = make_factor(PATTERN, factor.name)
@@ -150,13 +133,6 @@ def test_one_eigenvalue_just_below_zero(factor, relative):
     np.testing.assert_allclose(x, 1.0 / scale, rtol=1e-10)
 
 
-@pytest.mark.parametrize("pivot", [0, 7, PATTERN.size - 1])
-def test_one_negative_diagonal_entry(factor, pivot):
-    data = shifted(laplacian(), 1.0)
-    data[PATTERN.diagonal[pivot]] = -1e-12
-    assert not factor.factorise(data)
-
-
 def test_indefinite_with_a_positive_diagonal(factor):
     """An LDL^T without pivoting passes through these quietly."""
     data = np.ones(PATTERN.nnz)
@@ -165,7 +141,7 @@ def test_indefinite_with_a_positive_diagonal(factor):
     assert not factor.factorise(data)
 
 
-@pytest.mark.parametrize("entries", [[0.0, 1.0, 0.0], [1.0, 1.0, 1.0, 0.0, 1.0, 0.0]])
+@pytest.mark.parametrize("entries", [[0.0, 0.0, 0.0], [0.0, 1.0, 0.0], [1.0, 1.0, 1.0, 0.0, 1.0, 0.0]])
 @pytest.mark.parametrize("name", available())
 def test_pivots_that_are_exactly_zero(name, entries):
     """An LU that exchanges rows there ends with positive pivots: two masses that only pull at each other, and three."""
@@ -174,10 +150,6 @@ def test_pivots_that_are_exactly_zero(name, entries):
     made = make_factor(pattern, name)
     assert not made.factorise(pattern.assemble([np.array([entries])]))
     made.close()
-
-
-def test_zero_matrix_is_not_definite(factor):
-    assert not factor.factorise(np.zeros(PATTERN.nnz))
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])

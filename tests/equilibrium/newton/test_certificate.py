@@ -44,23 +44,6 @@ def assert_is_smallest(pair: Eigenpair, matrix: Floats, allowed: Floats) -> None
     assert np.abs(allowed - pair.value).min() <= pair.error + 1e-13 * scale
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("backend", available())
-@settings(max_examples=40)
-@given(
-    seed=st.integers(0, 2**32 - 1),
-    size=st.integers(1, 40),
-    density=st.floats(0.05, 0.6),
-    shift=st.floats(-3.0, 8.0),
-)
-def test_random_sparse_matrices(backend, seed, size, density, shift):
-    rng = np.random.default_rng(seed)
-    pattern, data = random_matrix(rng, size, density)
-    data[pattern.diagonal] += shift
-    matrix = symmetric(pattern, data)
-    assert_is_smallest(certified(pattern, data, backend=backend), matrix, np.linalg.eigvalsh(matrix))
-
-
 @settings(max_examples=60)
 @given(
     seed=st.integers(0, 2**32 - 1),
@@ -104,24 +87,6 @@ def test_rigid_motions_of_a_chain(smallest, backend):
     assert pair.error < 1e-8
     if smallest < values[1]:
         assert abs(pair.vector @ v) == pytest.approx(1.0, abs=1e-6)
-
-
-def test_certificate_does_not_change_the_matrix_and_counts_its_work():
-    rng = np.random.default_rng(0)
-    pattern, data = random_matrix(rng, 30, 0.2)
-    before = data.copy()
-    pair = certified(pattern, data)
-    np.testing.assert_array_equal(data, before)
-    # indefinite: the shift had to grow from 1e-9 beyond the negative eigenvalue, by tens
-    smallest = np.linalg.eigvalsh(symmetric(pattern, data))[0]
-    assert pair.factorisations == 1 + np.ceil(np.log10(-smallest) + 9)
-
-
-def test_same_seed_same_answer():
-    pattern, data = random_matrix(np.random.default_rng(4), 40, 0.2)
-    one, other = certified(pattern, data), certified(pattern, data)
-    assert one.value == other.value
-    np.testing.assert_array_equal(one.vector, other.vector)
 
 
 @pytest.mark.parametrize("count", [1, 3, 30])

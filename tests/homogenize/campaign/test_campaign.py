@@ -170,7 +170,9 @@ def test_a_worker_that_dies_ends_the_campaign_in_one_line(tmp_path: Path, monkey
 
 
 @pytest.mark.usefixtures("one_process")
-def test_no_law_from_too_few_answers(tmp_path: Path) -> None:
+def test_no_law_from_too_few_answers_and_none_without_a_worker(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="at least 1"):
+        run_campaign(plan(), tmp_path, 0, respond=fake.fails)
     records = run_campaign(plan(), tmp_path, 1, respond=fake.fails)
     with pytest.raises(CampaignError, match=r"bare fabric .* no equilibrium at all"):
         fit_law(plan(), records)

@@ -104,6 +104,12 @@ def test_arms_are_cut_finer_beside_others() -> None:
         np.testing.assert_allclose(np.linalg.norm(np.diff(alone.points[rod], axis=0), axis=1), 2.9, rtol=1e-9)
 
 
+def test_tips_that_meet_are_one_point() -> None:
+    """Two of the eight arms on a square lattice end where their neighbours' do."""
+    torus = cell_mesh(design(5.0 * np.sqrt(3.0), lattice={"arms": 8, "kind": "square"}), 1.92)
+    assert len(np.unique(torus.base[[rod[-1] for rod in torus.rods]])) == 6
+
+
 def test_arms_that_overlap_are_refused() -> None:
     with pytest.raises(MeshError, match="overlap"):
         aligned_cell_mesh(VECTORS, np.arange(6), np.full(6, 9.0), 2.5)
