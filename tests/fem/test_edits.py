@@ -10,7 +10,7 @@ from asterism.fem.elements.argyris import Argyris
 from asterism.fem.search.linear_response import linear_response
 from asterism.fem.search.mixed_newton import MAX_STEP
 from asterism.fem.search.relax import follow, relax
-from asterism.fem.shell.fields import FieldError, Fields, of_stretch
+from asterism.fem.shell.fields import Fields, of_stretch
 from asterism.fem.shell.shell import Shell
 from asterism.fem.supports.conditions import PointSupport
 from tests.fem.hexagons import density, hexagon, radius
@@ -49,20 +49,6 @@ def test_the_response_is_the_derivative() -> None:
     assert 3.3 < errors[0] / errors[1] < 4.7
 
 
-def test_an_edit_and_back() -> None:
-    shell = Shell(Argyris(hexagon(1)), dome(0.0))
-    factor = shell.factor()
-    start = relax(shell, factor)
-    state = start
-    for amount in (0.02, 0.0):
-        shell = shell.with_fields(dome(amount))
-        guess = linear_response(shell, state.x, factor)
-        state = follow(shell, guess.x, factor, strains=guess.strains)
-        assert state.is_minimum and state.fallbacks == 0
-    assert state.energy == pytest.approx(start.energy, rel=1e-9)
-    assert distance(shell, start.x, state.x) < 1e-5
-
-
 def test_response_of_a_supported_sheet() -> None:
     mesh = hexagon(1)
     corners = np.arange(1, 7)
@@ -78,15 +64,6 @@ def test_response_of_a_supported_sheet() -> None:
     found = follow(shell, guess.x, factor, strains=guess.strains)
     assert found.is_minimum and np.abs(at @ found.x - places).max() < 1e-9
     assert np.abs(guess.x - found.x).max() < 0.1 * np.abs(start.x - found.x).max()
-
-
-def test_refused_fields_leave_the_shell_unchanged() -> None:
-    shell = Shell(Argyris(hexagon(1)), dome(0.0))
-    x = shell.flat + 0.1 * np.random.default_rng(0).normal(size=shell.flat.shape)
-    before = shell.energy(x)
-    with pytest.raises(FieldError):
-        shell.with_fields(Fields(dome(0.01).density, dome(0.01).metric, dome(0.01).curvature, np.nan))
-    assert shell.energy(x) == before
 
 
 def test_with_fields_shares_the_pattern_and_leaves_the_first_shell_unchanged() -> None:

@@ -100,12 +100,13 @@ def test_numbering_of_the_mesh_does_not_matter() -> None:
     order = np.random.default_rng(5).permutation(mesh.nvertices)
     other = MeshTri(mesh.p[:, order], np.argsort(order)[mesh.t][:, ::-1].copy())
     sums = []
-    for each in (mesh, other):
+    for each in (mesh, other, mesh.oriented()):  # the last one has unsorted triangles
         element = Argyris(each)
         assembly = Assembly(element.tabulate(8), element.size)
         strains = assembly.strains(element.interpolate(arc(CURVATURE).jets), np.zeros((*assembly.weights.shape, 6)))
         sums.append((assembly.weights[..., None] * strains**2).sum(axis=(0, 1)))
-    assert np.allclose(sums[0], sums[1], rtol=1e-11, atol=1e-14)
+    for more in sums[1:]:
+        assert np.allclose(sums[0], more, rtol=1e-11, atol=1e-14)
 
 
 def test_the_roll_axis_has_six_best_directions() -> None:
@@ -136,25 +137,3 @@ def test_energy_of_gaussian_curvature() -> None:
     more = plain.with_gaussian(modulus, rest)(e)[0] - plain(e)[0]
     assert np.allclose(more, modulus * (b[..., 0] * b[..., 1] - b[..., 2] ** 2), atol=1e-13)
     assert np.allclose(plain.with_gaussian(modulus, rest).energies(e), plain(e)[0] + more, atol=1e-13)
-
-
-def test_total_gaussian_curvature_depends_on_the_border_only() -> None:
-    """Gauss and Bonnet: zero integral for a bulge that is flat at its border, and zero everywhere on a tube."""
-    mesh = rectangle(6, 6, 2.0, 2.0)
-    element = Argyris(mesh)
-    inside = ~np.isin(np.arange(mesh.nvertices), mesh.boundary_nodes())
-    bulge = element.flat.copy()
-    bulge[element.vertex_dofs[inside].ravel(), 2] += 1e-3 * np.random.default_rng(6).standard_normal(6 * inside.sum())
-    rest = np.array([0.3, -0.2, 0.1])
-    plain = Density(isotropic(100.0, 1.0, 0.3))
-    from_rest = np.r_[0.5, 0.5, 0.0, rest * [1.0, 1.0, 2.0]]
-
-    def parts(x: Floats) -> Floats:
-        assembly = Assembly(element.tabulate(10), element.size)
-        e = assembly.strains(x, np.broadcast_to(from_rest, (*assembly.weights.shape, 6)))
-        more = plain.with_gaussian(np.ones(assembly.weights.shape), rest)
-        return np.asarray(assembly.weights * (more(e)[0] - plain(e)[0]))
-
-    assert abs(parts(bulge).sum()) < 1e-5 * np.abs(parts(bulge)).sum()
-    tube = parts(element.interpolate(arc(0.5).jets))
-    assert np.abs(tube).sum() < 1e-3 * 0.5**2 * 4.0

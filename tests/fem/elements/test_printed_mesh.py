@@ -7,9 +7,8 @@ import pytest
 from skfem import MeshTri, MeshTri2
 
 from asterism.fem.elements.argyris import Argyris, checked_mesh
-from asterism.fem.search.relax import relax
 from asterism.fem.shell.density import Density, isotropic
-from asterism.fem.shell.fields import FieldError, Fields, of_stretch
+from asterism.fem.shell.fields import FieldError, Fields
 from asterism.fem.shell.shell import Shell
 from tests.fem.meshes import rectangle
 
@@ -39,16 +38,6 @@ def with_nan() -> MeshTri:
 def test_invalid_meshes_are_refused(mesh, word: str) -> None:
     with pytest.raises(ValueError, match=f"^mesh: .*{word}"):
         checked_mesh(mesh())
-
-
-def test_the_order_of_corners_does_not_matter() -> None:
-    """Edges have the direction from the lower vertex number, also in meshes that scikit-fem leaves unsorted."""
-    fields = of_stretch(Density(isotropic(20.0, 10.0, 0.3)), lambda p: 0.9 + 0.2 * p[..., 0], 0.8)
-    mesh, unsorted = SQUARE, SQUARE.oriented()
-    assert not (np.diff(unsorted.t, axis=0) > 0).all()
-    one, other = (relax(Shell(Argyris(each), fields)) for each in (mesh, unsorted))
-    assert one.is_minimum and other.is_minimum
-    assert other.energy == pytest.approx(one.energy, rel=1e-9)
 
 
 @pytest.mark.parametrize(

@@ -7,12 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import scipy.sparse as sp
-from skfem import MeshTri
 
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.errors import BackendError
 from asterism.fem.elements.argyris import Argyris
-from asterism.fem.shell.assembly import Assembly, MatrixReduction
 from asterism.fem.shell.density import Density, isotropic
 from asterism.fem.shell.fields import FieldError, Fields, of_stretch
 from asterism.fem.shell.hyperelastic import MIN_C, MIN_DET_C, hyperelastic
@@ -96,14 +94,6 @@ def test_multigrid_is_refused() -> None:
         Shell(Argyris(rectangle(1, 1)), FIELDS["bowl"]).factor("amg")
 
 
-def test_extent_does_not_depend_on_the_place_of_the_print() -> None:
-    """The extent scales steps and shifts."""
-    mesh = rectangle(3, 2, 60.0, 40.0)
-    for place in (0.0, 1000.0):
-        moved = MeshTri(mesh.p + place, mesh.t)
-        assert Shell(Argyris(moved), FIELDS["bowl"]).extent == pytest.approx(60.0)
-
-
 def test_mass_of_a_supported_sheet() -> None:
     mesh = hexagon(1)
     shell = Shell(Argyris(mesh), FIELDS["dome"], [EdgeSupport(mesh.boundary_facets()[:3])])
@@ -132,45 +122,6 @@ def test_curvature_is_that_of_the_contracted_sheet() -> None:
 def test_metrics_that_are_not_positive_definite_are_refused(metric: tuple[float, float, float]) -> None:
     with pytest.raises(FieldError, match="is not positive definite"):
         Fields(PLATE, metric).rest(POINTS)
-
-
-@pytest.mark.parametrize("stretch", [0.0, -0.8])
-def test_stretches_that_are_not_positive_are_refused(stretch: float) -> None:
-    with pytest.raises(FieldError, match="is not positive definite"):
-        of_stretch(PLATE, stretch).rest(POINTS)
-
-
-def full(pattern, data) -> np.ndarray:  # type: ignore[no-untyped-def]
-    low = pattern.lower(data).toarray()
-    return low + np.tril(low, -1).T
-
-
-def test_restriction_is_the_triple_product() -> None:
-    element = Argyris(rectangle(2, 2))
-    assembly = Assembly(element.tabulate(4), element.size)
-    random = np.random.default_rng(1)
-    size = 3 * element.size
-    free = np.sort(random.choice(size, size - 40, replace=False))
-    columns = sp.lil_matrix((size, len(free)))
-    columns[free, np.arange(len(free))] = 1.0
-    for row in np.setdiff1d(np.arange(size), free)[:30]:  # some depend on others, some are held
-        columns[row, random.choice(len(free), 3, replace=False)] = random.standard_normal(3)
-    columns = columns.tocsr()
-    reduced = MatrixReduction(assembly.pattern, columns)
-    data = random.standard_normal(assembly.pattern.nnz)
-    exact = columns.T @ full(assembly.pattern, data) @ columns
-    assert np.allclose(full(reduced.pattern, reduced(data)), exact)
-    assert (np.diff(reduced.pattern.indptr) > 0).all()
-    assert (reduced.pattern.indices[reduced.pattern.diagonal] == np.arange(len(free))).all()
-
-
-def test_without_supports_matrices_are_not_copied() -> None:
-    element = Argyris(rectangle(2, 2))
-    assembly = Assembly(element.tabulate(4), element.size)
-    reduced = MatrixReduction(assembly.pattern, sp.identity(3 * element.size, format="csr"))
-    assert reduced.pattern is assembly.pattern
-    data = np.ones(assembly.pattern.nnz)
-    assert reduced(data) is data
 
 
 @pytest.mark.parametrize("exponents", [(1.0, 1.0), (1.6, 0.58)])
