@@ -12,6 +12,7 @@ from asterism.pattern.layout.build import layout, load_design
 GOOD = {"stars": {"length_mm": 10.0}, "border": {"rings": 1}}
 RADIAL = {"profile": "radial", "from": 10, "to": 4, "over_mm": 50}
 SQUARE = {"rectangle_mm": [100, 100]}
+FALLING = {"thickness_mm": [0.4, 0.3], "per_mm": [0.1, 0.1]}
 DELETE = b"take it out"  # no design has bytes in it; equal in every test process
 
 
@@ -48,9 +49,6 @@ BAD = [
     ([("stars.length_mm", float("nan"))], "stars.length_mm", "finite"),
     ([("stars.length_mm", 10**400)], "stars.length_mm", "number"),
     ([("name", 101 * "a")], "name", "at most 100 characters"),
-    ([("stars.length_mm", [10])], "stars.length_mm", "number"),
-    ([("spread.stretch_percent", -1)], "spread.stretch_percent", "at least 0"),
-    ([("spread.bending_factor", float("nan"))], "spread.bending_factor", "finite"),
     ([("spread.modulus_ratio_factor", 0.9)], "spread.modulus_ratio_factor", "at least 1"),
     ([("spread.thickness_mm", 0.1)], "spread.thickness_mm", "it belongs in [fabric] or in [stars]"),
     ([("stars.length_mm", None), ("stars.length_fraction", 1.5)], "stars.length_fraction", "from 0 to 1"),
@@ -62,34 +60,20 @@ BAD = [
     ([("pins", [{"scale": 0.7}])], "pins[0]", "one of where, points_mm, edges, corners and holes"),
     ([("lattice", {"vectors_mm": [[9, 0], [0, 9]]})], "lattice.vectors_mm", 'kind = "custom", not with "triangular"'),
     ([("stars.length_mm", DELETE)], "stars", "one of length_mm and length_fraction"),
-    ([("stars.length_mm", 0)], "stars", "at least one arm"),
     ([("stars.length_mm", 0.5)], "stars", "at least one arm of 1 mm on the sheet; the longest of the design is 0.5 mm"),
-    ([("stars.length_mm", 17)], "stars", "apart and would print as one"),
     ([("stars.length_mm", 17.32)], "stars", "shorten or turn them; length_fraction makes ends meet"),
     ([("stars.lenght_mm", 3)], "stars.lenght_mm", "did you mean length_mm?"),
-    ([("stars.thickness_mm", 0.01)], "stars.thickness_mm", "from 0.05 to 5"),
     ([("stars.thickness_mm", 6)], "stars.thickness_mm", "from 0.05 to 5"),
     ([("stars.thickness_mm", {**RADIAL, "to": -4})], "stars.thickness_mm", "star"),
-    ([("stars.width_mm", 0)], "stars.width_mm", "from 0.1 to 10"),
     ([("stars.width_mm", 11)], "stars.width_mm", "from 0.1 to 10"),
     ([("stars.vary_along_arms", 1)], "stars.vary_along_arms", "true or false"),
-    ([("stars.length_mm", {})], "stars.length_mm", "profile"),
     ([("stars.length_mm", {"profile": "conic"})], "stars.length_mm.profile", "axis, linear, radial, table"),
     ([("stars.length_mm", {"profile": "radial", "from": 1, "to": 2})], "stars.length_mm.over_mm", "missing"),
     ([("stars.length_mm", {**RADIAL, "over_mm": 0})], "stars.length_mm.over_mm", "greater than 0"),
-    ([("stars.length_mm", {**RADIAL, "from": "x"})], "stars.length_mm.from", "number"),
-    ([("stars.length_mm", {**RADIAL, "start": 1})], "stars.length_mm.start", "unknown"),
-    ([("stars.length_mm", {**RADIAL, "power": -1})], "stars.length_mm.power", "greater"),
-    ([("stars.length_mm", {**RADIAL, "centre_mm": [1]})], "stars.length_mm.centre_mm[1]", "missing"),
     (
         [("stars.length_mm", {"profile": "linear", "from": 1, "to": 2, "start_mm": [0, 0], "end_mm": [0, 0]})],
         "stars.length_mm.end_mm",
         "differ",
-    ),
-    (
-        [("stars.length_mm", {"profile": "axis", "axis": "z", "from": 1, "to": 2, "over_mm": 9})],
-        "stars.length_mm.axis",
-        "'x' or 'y'",
     ),
     (
         [("stars.length_mm", {"profile": "table", "distance_mm": [0, 0], "values": [1, 2]})],
@@ -101,16 +85,9 @@ BAD = [
         "stars.length_mm.values",
         "2 entries",
     ),
-    (
-        [("stars.length_mm", {"profile": "table", "distance_mm": [0], "values": [1]})],
-        "stars.length_mm.distance_mm",
-        "at least 2",
-    ),
     ([("stars.length_mm", {"formula": "import os"})], "stars.length_mm.formula", "not a formula"),
     ([("stars.length_mm", {"formula": "q + 1"})], "stars.length_mm.formula", "unknown name q"),
     ([("stars.length_mm", {"formula": "1/x"})], "stars.length_mm", "inf"),
-    ([("stars.length_mm", {"formula": "log(x - 1000)"})], "stars.length_mm", "nan"),
-    ([("stars.length_mm", {"formula": 7})], "stars.length_mm.formula", "text"),
     (
         [("stars.length_mm", {"image": "none.png", "low": 1, "high": 2, "extent_mm": [9, 9]})],
         "stars.length_mm.image",
@@ -127,29 +104,18 @@ BAD = [
         "pixels",
     ),
     ([("stars.override", [{"star": 7, "remove": True}])], "stars.override[0].star", "at most 6"),
-    ([("stars.override", [{"star": -1, "remove": True}])], "stars.override[0].star", "at least 0"),
-    ([("stars.override", [{"star": 1.5, "remove": True}])], "stars.override[0].star", "whole number"),
     ([("stars.override", [{"star": 1}])], "stars.override[0]", "change a size or remove"),
-    ([("stars.override", [{"remove": True}])], "stars.override[0]", "one of star, at_mm and site"),
     ([("stars.override", [{"at_mm": [5, 5], "remove": True}])], "stars.override[0].at_mm", "nearest is at"),
     ([("stars.override", [{"star": 0, "length_mm": 30}])], "stars.override[0].length_mm", "from 0 to 17.3205"),
-    ([("stars.override", [{"star": 0, "remove": True}] * 2)], "stars.override[1]", "changes star 0 again"),
-    ([("stars.override", {"star": 0})], "stars.override", "list"),
     ([("stars.override", [{"at_mm": [1e200, 0], "remove": True}])], "stars.override[0].at_mm[0]", "at most 1e+12"),
-    ([("stars.length_mm", {**RADIAL, "centre_mm": [0, -1e200]})], "stars.length_mm.centre_mm[1]", "at least -1e+12"),
     (
         [("stars.length_mm", {"profile": "table", "distance_mm": [0, 1e-300], "values": [5, 6], "smooth": True})],
         "stars.length_mm.distance_mm",
         "by 1e-6 or more",
     ),
-    ([("gravity.direction", [1e200, 0, 0])], "gravity.direction[0]", "at most 1e+12"),
     ([("border.rings", DELETE)], "border", "one of rings, rectangle_mm, polygon_mm, circle_mm and rods"),
-    ([("border.rectangle_mm", [100, 100])], "border", "one of"),
     ([("border.rings", 41)], "border.rings", "at most 40"),
-    ([("border.rings", -1)], "border.rings", "at least 0"),
-    ([("border.rings", "3")], "border.rings", "whole number"),
     ([("border.star_margin_mm", 5)], "border.star_margin_mm", "not with rings"),
-    ([("border.overhang", "ignore")], "border.overhang", "'cut' or 'refuse'"),
     ([("border", {"rectangle_mm": [100, -5]})], "border.rectangle_mm", "from 1 to 5000"),
     ([("border", {"rectangle_mm": [100]})], "border.rectangle_mm[1]", "missing"),
     ([("border", {"rectangle_mm": [5, 5]})], "border", "room for at least one star"),
@@ -157,7 +123,6 @@ BAD = [
     ([("border", {"rectangle_mm": [5000, 5000]}), ("lattice.spacing_mm", 8)], "border", "at most 5000 stars"),
     ([("border", {**SQUARE, "star_margin_mm": 1, "tip_margin_mm": 2})], "border.star_margin_mm", "exceed"),
     ([("border", {"polygon_mm": [[0, 0], [50, 0]]})], "border.polygon_mm", "at least 3"),
-    ([("border", {"polygon_mm": [[0, 0], [90, 90], [90, 0], [0, 90]]})], "border.polygon_mm", "cross"),
     ([("border", {"polygon_mm": [[0, 0], [90, 0], [0, 90], [0, 0]]})], "border.polygon_mm", "repeat"),
     ([("border", {"polygon_mm": [[0, 0], [90, 0], [180, 0]]})], "border.polygon_mm", "lie on one line"),
     ([("border", {"polygon_mm": [[0, 0], [90, 90], [90, 0], [0, 90]]})], "border.polygon_mm", "at [45.000, 45.000]"),
@@ -175,96 +140,55 @@ BAD = [
     ([("border", {"polygon_mm": [[0, 0], [90, 0], [0, 9e9]]})], "border.polygon_mm", "within 5000"),
     ([("border", {"polygon_mm": [[0, 0], [90, 0], [0, float("inf")]]})], "border.polygon_mm[2][1]", "finite"),
     ([("border", 3)], "border", "table"),
-    ([("border", DELETE)], "border", "missing"),
-    ([("lattice.spacing_mm", 0)], "lattice.spacing_mm", "at least 1"),
-    ([("lattice.arms", 2)], "lattice.arms", "at least 3"),
     ([("lattice.arms", 9)], "lattice.arms", "at most 8"),
-    ([("lattice.arms", 3.0)], "lattice.arms", "whole number"),
     ([("lattice.kind", "hexagonal")], "lattice.kind", "'triangular', 'square' or 'custom'"),
     ([("lattice.kind", "square")], "border.rings", "triangular"),
     ([("lattice.origin_mm", [1, 0])], "lattice.origin_mm", "[0, 0]"),
     ([("lattice.kind", "custom")], "lattice.vectors_mm", 'is missing: kind = "custom" needs two'),
     ([("lattice", {"kind": "custom", "vectors_mm": [[9, 0], [18, 0]]})], "lattice.vectors_mm", "line"),
     ([("lattice", {"kind": "custom", "vectors_mm": [[0.1, 0], [0, 99]]})], "lattice.vectors_mm", "1 mm between"),
-    ([("fabric.stretch", 0.9)], "fabric.stretch", "from 1 to 3"),
     ([("fabric.stretch", [1.3, 3.5])], "fabric.stretch", "from 1 to 3"),
-    ([("fabric.stretch", [1.3, "x"])], "fabric.stretch[1]", "number"),
-    ([("fabric.stretch", [1.3, 1.3, 1.3])], "fabric.stretch", "at most 2"),
     ([("fabric.modulus_mpa", [7, 0])], "fabric.modulus_mpa", "from 0.001 to 100000"),
-    ([("fabric.modulus_mpa", [9, 1])], "fabric.modulus_mpa", "ratio of at most 4.78 with poisson = 0.3"),
     ([("fabric.modulus_mpa", [1, 9])], "fabric.modulus_mpa", "ratio of at most 4.78 with poisson = 0.3"),
     ([("fabric.modulus_mpa", [8, 4]), ("fabric.model", "incompressible")], "fabric.model", "neo-hookean"),
     ([("fabric.modulus_mpa", [8, 4]), ("fabric.bending", "paper")], "fabric.bending", "consistent"),
-    ([("fabric.modulus_mpa", [8, 4]), ("fabric.shear_modulus_mpa", 3)], "fabric.shear_modulus_mpa", "0.577 to 2.53"),
     ([("fabric.modulus_mpa", [8, 4]), ("fabric.shear_modulus_mpa", 0.1)], "fabric.shear_modulus_mpa", "0.577 to 2.53"),
-    ([("fabric.grain_deg", 400)], "fabric.grain_deg", "at most 360"),
-    ([("fabric.grain", 30)], "fabric.grain", "grain_deg"),
+    ([("fabric", {"bending": "paper", "bending_stiffness_n_mm": 1})], "fabric.bending_stiffness_n_mm", "needs fabric"),
+    ([("fabric.bending_stiffness_n_mm", 1)], "fabric.modulus_mpa", "bending_stiffness_n_mm"),
     ([("fabric.poisson", 0.5)], "fabric.poisson", "at most 0.49"),
-    ([("fabric.thickness_mm", 0)], "fabric.thickness_mm", "at least"),
-    ([("fabric.model", "hooke")], "fabric.model", "'neo-hookean' or 'incompressible'"),
-    ([("fabric.bending", None)], "fabric.bending", "'paper', 'plate', 'consistent' or 'none'"),
-    ([("plastic.modulus_ratio", -3)], "plastic.modulus_ratio", "at least 1"),
-    ([("plastic.rest_curvature", "eq1")], "plastic.rest_curvature", "'paper'"),
-    ([("plastic.kappa_bar_per_mm", "0")], "plastic.kappa_bar_per_mm", "number"),
     ([("plastic.kappa_bar_per_mm", 2)], "plastic.kappa_bar_per_mm", "at most 1"),
     (
         [("plastic.kappa_bar_per_mm", {"thickness_mm": [0.3, 0.4], "per_mm": [0.1]})],
         "plastic.kappa_bar_per_mm.per_mm",
         "2 entries",
     ),
-    (
-        [("plastic.kappa_bar_per_mm", {"thickness_mm": [0.4, 0.3], "per_mm": [0.1, 0.1]})],
-        "plastic.kappa_bar_per_mm.thickness_mm",
-        "increase",
-    ),
-    ([("pins", {"where": "border"})], "pins", "list"),
-    ([("pins", [{}])], "pins[0]", "one of where"),
-    ([("pins", [{"where": "centre"}])], "pins[0].where", "'border' or 'corners'"),
-    ([("pins", [{"where": "border", "edges": [0]}])], "pins[0]", "one of where"),
-    ([("pins", [{"points_mm": [[500, 0]]}])], "pins[0].points_mm[0]", "on the sheet"),
-    ([("pins", [{"points_mm": []}])], "pins[0].points_mm", "at least 1"),
-    ([("pins", [{"points_mm": [[1, 1], [1, 1]]}])], "pins[0]", "same place twice"),
     ([("pins", [{"edges": [6]}])], "pins[0].edges[0]", "from 0 to 5"),
     ([("pins", [{"corners": [0, 0]}])], "pins[0].corners[1]", "twice"),
     ([("pins", [{"where": "border"}, {"where": "corners"}])], "pins[1]", "holds already"),
-    ([("pins", [{"where": "corners"}, {"edges": [2]}])], "pins[1]", "holds already"),
     ([("pins", [{"edges": [1, 2]}, {"edges": [2, 3]}])], "pins[1]", "edge 2"),
-    ([("pins", [{"edges": [1]}, {"edges": [2], "scale": 0.5}])], "pins[1]", "as pins[0] does"),
-    ([("pins", [{"where": "border", "scale": 0}])], "pins[0].scale", "at least 0.001"),
-    ([("pins", [{"where": "border", "target_mm": [0, 0, 0]}])], "pins[0].target_mm", "one for each corner"),
     ([("pins", [{"where": "corners", "target_mm": [0, 0, 0]}])], "pins[0].target_mm", "6 places"),
     ([("pins", [{"corners": [0], "target_mm": [0, 0, 0], "scale": 2}])], "pins[0].target_mm", "alone"),
     ([("pins", [{"corners": [0], "offset_mm": [0, 0, 1e9]}])], "pins[0].offset_mm", "within 10000"),
-    ([("pins", [{"corners": [0], "slide": "x"}])], "pins[0].slide", "'z' or 'plane'"),
     ([("gravity.on", True)], "fabric.modulus_mpa", "gravity"),
     ([("gravity.direction", [0, 0, 0])], "gravity.direction", "somewhere"),
-    ([("gravity.direction", [0, -1])], "gravity.direction[2]", "missing"),
     ([("mesh.graded", True), ("fabric.bending", "paper")], "mesh.graded", "plate"),
-    ([("mesh.graded", 1), ("fabric.bending", "consistent")], "mesh.graded", "true or false"),
     ([("mesh.edge_mm", 0.1)], "mesh.edge_mm", "at least 0.2"),
     ([("mesh.edge_mm", 30)], "mesh.edge_mm", "spacing"),
     ([("border.rings", 30), ("mesh.edge_mm", 0.5)], "mesh.edge_mm", "or more"),
-    ([("mesh.kind", "quad")], "mesh.kind", "'auto'"),
-    ([("mesh.seed", -1)], "mesh.seed", "at least 0"),
-    ([("solver.start", "up")], "solver.start", "'bump' or 'flat'"),
-    ([("solver.contact", "sometimes")], "solver.contact", "true or false"),
     ([("units", "inch")], "units", 'must be "mm": write all lengths in millimetres'),
-    ([("units", 1)], "units", 'must be "mm"'),
-    ([("name", "")], "name", "at least 1"),
+    ([("plastic.kappa_bar_per_mm", FALLING)], "plastic.kappa_bar_per_mm.thickness_mm", "increase"),
     ([("pins", {"where": "corners"})], "pins", "must be a list; a table in it begins with [[pins]]"),
     ([("border", {"rectangle_mm": [15, 0, 18, 0]})], "border.rectangle_mm", "at most 2 entries; decimals have a point"),
     ([("stars.length_mm", {"formula": "6 + r^2/1000"})], "stars.length_mm.formula", "powers are **"),
     ([("name", "two\nlines")], "name", "one line"),
     ([("lattice", {"origin_mm": [1e9, 0]})], "lattice.origin_mm", "within 10000 mm"),
     ([("pins", [{"points_mm": [[0, 0], [9, 0]], "target_mm": 2 * [[0, 0, 1]]}])], "pins[0].target_mm", "one place"),
-    ([("fabrik", {})], "fabrik", "did you mean fabric?"),
     ([("zzz", {})], "zzz", "known here: name, units"),
     ([("stars.spacing_mm", 20)], "stars.spacing_mm", "unknown key here, it belongs in [lattice]"),
     ([("stars.poisson", 0.3)], "stars.poisson", "it belongs in [fabric] or in [plastic]"),
     ([("stretch", 1.3)], "stretch", "it belongs in [fabric]"),
     ([("mesh.name", "roof")], "mesh.name", "it belongs at the top, before all tables"),
     ([("stars.length_mm", "5 + x")], "stars.length_mm", "a table with a profile, a formula or an image"),
-    ([("stars.length_mm", "a profile")], "stars.length_mm", "a table with a profile, a formula or an image"),
 ]
 
 
@@ -315,15 +239,17 @@ def test_bad_file(tmp_path, name, content, words):
     assert str(caught.value).isprintable()
 
 
+@pytest.mark.parametrize("data", [None, 3, "x", []])
+def test_data_must_be_a_table(data):
+    with pytest.raises(DesignError, match="table"):
+        Design.from_dict(data)
+
+
 def test_folder_is_not_a_file(tmp_path):
     (tmp_path / "a.toml").mkdir()
     with pytest.raises(DesignError) as caught:
         load_design(tmp_path / "a.toml")
     assert str(caught.value) == f"{tmp_path / 'a.toml'}: is a folder, not a file"
-
-
-def test_good_design_is_good():
-    assert len(layout(Design.from_dict(GOOD)).centres) == 7
 
 
 @pytest.mark.parametrize(

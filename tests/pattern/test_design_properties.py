@@ -34,7 +34,7 @@ PLACES = [
 @given(st.lists(st.tuples(st.sampled_from(PLACES), values), max_size=3))
 @example([("pins", [{"where": "border", "target_mm": [1, [2]]}])])
 @example([("pins", [{"corners": [0], "target_mm": []}])])
-@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.too_slow])
+@settings(max_examples=80, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 def test_garbage_is_refused_or_laid_out(changes):
     design = copy.deepcopy(GOOD)
     for place, value in changes:
@@ -46,23 +46,6 @@ def test_garbage_is_refused_or_laid_out(changes):
         layout(Design.from_dict(design))
     except DesignError as error:
         assert str(error).isprintable()
-
-
-@pytest.mark.slow
-@given(values)
-@settings(max_examples=100)
-def test_anything_is_refused(data):
-    with pytest.raises(DesignError):
-        Design.from_dict(data)
-
-
-@given(st.binary(max_size=60) | st.text(max_size=60).map(str.encode), st.sampled_from(["toml", "json"]))
-@settings(max_examples=100, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-def test_any_file_is_refused(tmp_path, content, suffix):
-    path = tmp_path / f"a.{suffix}"
-    path.write_bytes(content)
-    with pytest.raises(DesignError):
-        load_design(path)
 
 
 def number(low, high):
@@ -94,7 +77,7 @@ good_designs = st.fixed_dictionaries(
 
 @pytest.mark.slow
 @given(good_designs, st.sampled_from(["toml", "json"]))
-@settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=15, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_round_trip(tmp_path, data, suffix):
     design = Design.from_dict(data)
     assert Design.from_dict(design.to_dict()) == design

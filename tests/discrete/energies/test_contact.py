@@ -215,9 +215,8 @@ def test_sheet_that_rolls_up_by_more_than_a_full_turn() -> None:
 
 
 @pytest.mark.slow
-def test_finer_meshes_have_no_intersections(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("asterism.discrete.release.ladder.COARSE_VERTICES", 300)
-    sheet = model(ContactModel, 2, edge=2.4)
+def test_finer_meshes_have_no_intersections() -> None:
+    sheet = model(ContactModel, 2, edge=1.5)
     assert isinstance(sheet, ContactModel)
     found, levels = solve_on_meshes(contact_search(sheet))
     assert len(levels) == 3 and found.is_minimum

@@ -17,7 +17,7 @@ steps = st.floats(-40.0, 40.0)
 @pytest.mark.slow
 @example((11.0, -18.4), (21.43486742963367, 0.3262794416288255))
 @given(st.tuples(steps, steps), st.tuples(steps, steps))
-@settings(max_examples=50)
+@settings(max_examples=20)
 def test_nearest_site_is_the_nearest_of_all(first: tuple[float, float], second: tuple[float, float]) -> None:
     """Whatever the basis: also a slanted one, whose own cells reach far beyond their neighbours."""
     try:

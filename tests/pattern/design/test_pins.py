@@ -15,10 +15,6 @@ def pins(*tables, border=None):
     return layout(Design.from_dict(design)).pins
 
 
-def test_free_sheet():
-    assert pins() == ()
-
-
 def test_border_scaled():
     (held,) = pins({"where": "border", "scale": 0.74}, border={"rings": 3})
     assert held.edges == tuple(range(6)) and len(held.points) == 0 and held.fixed == (True, True, True)
@@ -29,11 +25,6 @@ def test_some_corners_moved():
     (held,) = pins({"corners": [0, 2], "offset_mm": [1, 2, 3]})
     np.testing.assert_allclose(held.points, [[-50, -30], [50, 30]])
     np.testing.assert_allclose(held.places(held.points), [[-49, -28, 3], [51, 32, 3]])
-
-
-def test_all_corners():
-    (held,) = pins({"where": "corners"}, border={"rings": 1})
-    assert len(held.points) == 6
 
 
 @pytest.mark.parametrize("target", [[1, 2, 3], [[1, 2, 3]]])
@@ -59,19 +50,10 @@ def test_slides(slide, fixed):
     assert held.edges == (1,) and held.fixed == fixed
 
 
-def test_neighbouring_edges_may_share_a_corner_they_agree_on():
-    assert len(pins({"edges": [0], "scale": 0.8}, {"edges": [1], "scale": 0.8})) == 2
-
-
 def test_neighbouring_edges_that_slide_share_a_corner_that_both_hold_in_z():
     assert len(pins({"edges": [0], "scale": 0.7, "slide": "plane"}, {"edges": [1], "slide": "plane"})) == 2
     with pytest.raises(DesignError, match=r"pins\[1\].*: must hold the corner as pins\[0\] does"):
         pins({"edges": [0], "scale": 0.7, "slide": "z"}, {"edges": [1], "slide": "z"})
-
-
-def test_fixed_in_place_on_the_outline_and_inside():
-    (held,) = pins({"points_mm": [[50, 12], [0, 0]]})
-    np.testing.assert_allclose(held.places(held.points), [[50, 12, 0], [0, 0, 0]])
 
 
 @pytest.mark.parametrize("off", [-0.15, -1e-4, 1e-4, 0.15])

@@ -123,13 +123,6 @@ def test_what_is_refused(tmp_path: Path, name: str, text: str | None, entry: dic
     assert str(caught.value).startswith("rods.import[0].")
 
 
-def test_dxf_without_a_unit_is_refused_until_one_is_given(tmp_path: Path) -> None:
-    name = dxf(tmp_path, units=0).name
-    with pytest.raises(DesignError, match=r"has no unit \(\$INSUNITS = 0\)"):
-        sheet(tmp_path, file=name)
-    assert len(sheet(tmp_path, file=name, units="mm").rim) == 3
-
-
 def test_without_the_package_for_dxf(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     file = dxf(tmp_path)
     monkeypatch.setitem(sys.modules, "ezdxf", None)

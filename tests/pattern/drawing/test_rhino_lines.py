@@ -93,17 +93,6 @@ def test_curves_of_blocks_are_left_out(tmp_path: Path) -> None:
     assert len(layout_of(sheet(tmp_path)).holes) == 0
 
 
-def test_drawings_of_other_programs_are_outlines_too(tmp_path: Path) -> None:
-    (tmp_path / "x.svg").write_text(
-        '<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="80mm" viewBox="0 0 100 80">'
-        '<rect x="5" y="5" width="90" height="70" fill="none" stroke="black"/></svg>'
-    )
-    outline = np.array(
-        Design.from_dict({"stars": {"length_mm": 6.0}, "border": {"file": "x.svg"}}, tmp_path).border.polygon_mm
-    )
-    assert np.allclose(np.ptp(outline, axis=0), [90.0, 70.0])
-
-
 def test_wrong_files_end_in_one_line(tmp_path: Path) -> None:
     def problem(**border: Any) -> str:
         with pytest.raises(DesignError) as caught:

@@ -61,7 +61,7 @@ KINDS = [
 @pytest.mark.slow
 @pytest.mark.parametrize(("name", "pins", "count"), KINDS, ids=[kind[0] for kind in KINDS])
 def test_each_kind_of_support_leaves_its_motions(name: str, pins: list[dict[str, Any]], count: int) -> None:
-    """A fit takes them out, and it takes out these alone."""
+    """A fit takes them out, and these alone. It is the best: small free motions from it bring the sheet no nearer."""
     free = motions(*pins)
     assert free.count == count
     rng = np.random.default_rng(3)
@@ -81,14 +81,6 @@ def test_each_kind_of_support_leaves_its_motions(name: str, pins: list[dict[str,
     moved_by = np.abs(rotation - np.eye(3)).max() + np.abs(shift).max()
     assert moved_by == 0.0 if still else moved_by > 0.01
 
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("name", "pins", "count"), KINDS, ids=[kind[0] for kind in KINDS])
-def test_a_fit_is_the_best_of_the_free_motions(name: str, pins: list[dict[str, Any]], count: int) -> None:
-    """Small free motions from there bring the sheet no nearer; all rigid motions may."""
-    free = motions(*pins)
-    rng = np.random.default_rng(4)
-    sheet = lumpy(rng.uniform(-30.0, 30.0, (40, 2)))
     turn = Rotation.from_euler("xyz", [8.0, -5.0, 12.0], degrees=True).as_matrix()
     targets = sheet @ turn.T + [1.0, -2.0, 3.0] + rng.normal(0.0, 0.5, sheet.shape)
 
@@ -96,18 +88,16 @@ def test_a_fit_is_the_best_of_the_free_motions(name: str, pins: list[dict[str, A
         return float(((sheet @ motion[0].T + motion[1] - targets) ** 2).sum())
 
     best = free.fit(sheet, targets)
-    assert square(best) >= square(rigid_fit(sheet, targets)) - 1e-6
-    assert square(best) <= square((np.eye(3), np.zeros(3)))
+    assert square(rigid_fit(sheet, targets)) - 1e-6 <= square(best) <= square((np.eye(3), np.zeros(3)))
     if count == 6:
         assert square(best) == pytest.approx(square(rigid_fit(sheet, targets)))
     if len(free.points):
         centre = free.points.mean(axis=0) @ best[0].T + best[1]
+        moved = sheet @ best[0].T + best[1]
         for twist in free.basis(free.points @ best[0].T + best[1], centre).T:
             v, w = twist[:3], twist[3:] / free.size
-            slope = 2.0 * (
-                (v + np.cross(w, sheet @ best[0].T + best[1] - centre)) * (sheet @ best[0].T + best[1] - targets)
-            )
-            assert abs(slope.sum()) < 1e-6 * square(best)
+            slope = 2.0 * ((v + np.cross(w, moved - centre)) * (moved - targets)).sum()
+            assert abs(slope) < 1e-6 * square(best)
 
 
 def test_equal_heights_do_not_make_poles_let_go() -> None:
@@ -147,13 +137,10 @@ def test_two_points_leave_the_turn_about_the_line_through_their_places(target: l
     assert np.abs(axes @ target) == pytest.approx([np.linalg.norm(target)]) and tilted == 1
 
 
-def test_a_point_leaves_all_turns_and_so_does_nothing() -> None:
+def test_a_point_leaves_all_turns_the_ground_the_upright_one_and_a_held_border_none() -> None:
     for pins in ([], [{"points_mm": [[3.0, 4.0]]}]):
         axes, tilted = turns(*pins)
         assert axes @ axes.T == pytest.approx(np.eye(3)) and tilted == 2
-
-
-def test_what_slides_on_the_ground_turns_upright_and_a_held_border_does_not() -> None:
     axes, tilted = turns({"where": "corners", "slide": "plane"})
     assert np.abs(axes) == pytest.approx(np.array([[0.0, 0.0, 1.0]])) and tilted == 0
     axes, tilted = turns({"where": "border"})

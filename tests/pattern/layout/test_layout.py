@@ -19,7 +19,7 @@ def lay(**tables):
     return layout(Design.from_dict({"stars": stars, "border": {"rings": 3}, **tables}))
 
 
-@pytest.mark.parametrize("rings", [0, 1, 2, 3, 7])
+@pytest.mark.parametrize("rings", [0, 1, 3])
 def test_rings(rings):
     sheet = lay(border={"rings": rings})
     assert len(sheet.centres) == 1 + 3 * rings * (rings + 1)
@@ -50,13 +50,7 @@ def test_stars_touch_neighbours_at_full_length():
     assert 0 < (~inner).sum() < len(inner)  # outer arms are cut
 
 
-def test_fraction_is_of_the_spacing():
-    for lattice in ({}, {"spacing_mm": 20}):
-        sheet = lay(lattice=lattice, stars={"length_fraction": 0.5})
-        np.testing.assert_allclose(sheet.arm_length, lattice.get("spacing_mm", D) / 2)
-
-
-@pytest.mark.parametrize("arms", range(3, 9))
+@pytest.mark.parametrize("arms", [3, 8])
 @pytest.mark.parametrize("kind", ["triangular", "square"])
 def test_arm_counts_and_lattices(arms, kind):
     sheet = lay(
@@ -77,21 +71,6 @@ def test_custom_lattice_is_reduced():
     ours, theirs = lay(border={"rectangle_mm": [120, 90]}, lattice=clumsy), lay(border={"rectangle_mm": [120, 90]})
     np.testing.assert_allclose(ours.centres, theirs.centres, atol=1e-9)
     np.testing.assert_array_equal(ours.sample_pairs, theirs.sample_pairs)
-
-
-def test_layout_lies_on_its_lattice():
-    sheet = lay(border={"rectangle_mm": [120, 90]}, lattice={"origin_mm": [3, 4]})
-    cells = (sheet.centres - sheet.lattice_origin) @ np.linalg.inv(sheet.lattice_vectors)
-    np.testing.assert_allclose(cells, np.round(cells), atol=1e-9)
-
-
-def test_margin_of_a_rectangle():
-    sheet = lay(
-        border={"rectangle_mm": [100, 100], "star_margin_mm": 20},
-        lattice={"kind": "square", "spacing_mm": 15},
-        stars={"length_mm": 6},
-    )
-    assert np.abs(sheet.centres).max() == 30 and len(sheet.centres) == 25
 
 
 def test_polygon_either_way_round():
@@ -147,12 +126,6 @@ def test_overrides():
     np.testing.assert_allclose(sheet.arm_thickness[3:], 0.4)
     np.testing.assert_allclose(sheet.arm_width[-3:], 2)
     assert np.linalg.norm(sheet.centres - [0, D], axis=1).min() > 1
-
-
-def test_stars_keep_the_numbers_of_the_design():
-    sheet = lay(stars={"override": [{"star": 0, "remove": True}, {"star": 3, "branch": "down"}]}, border={"rings": 1})
-    assert sheet.star_number.tolist() == [1, 2, 3, 4, 5, 6]
-    assert sheet.star_number[sheet.star_branch < 0].tolist() == [3]
 
 
 def test_a_star_on_the_axis_is_first_of_its_ring_whatever_its_rounding():
@@ -221,7 +194,7 @@ def test_arms_that_touch_are_refused(tables):
         lay(**tables)
 
 
-@pytest.mark.parametrize("angle", range(0, 360, 30))
+@pytest.mark.parametrize("angle", [0, 30, 210])
 def test_arms_that_lie_on_each_other_are_refused_however_they_are_turned(angle: int) -> None:
     x, y = np.cos(np.radians(angle)), np.sin(np.radians(angle))
     lattice = {"kind": "custom", "vectors_mm": [[17 * x, 17 * y], [-17 * y, 17 * x]], "arms": 4}
@@ -232,12 +205,6 @@ def test_arms_that_lie_on_each_other_are_refused_however_they_are_turned(angle: 
             stars={"length_fraction": 1.0},
             border={"polygon_mm": corners.tolist()},
         )
-
-
-def test_tips_that_meet_are_fine():
-    sheet = lay(lattice={"arms": 6}, stars={"length_fraction": 0.5}, border={"rings": 1})
-    tips = sheet.arm_tip[:, None] - sheet.arm_tip
-    assert ((np.linalg.norm(tips, axis=2) < 1e-9).sum() - len(tips)) // 2 == len(sheet.sample_pairs)
 
 
 @pytest.mark.parametrize("border", [{"rings": 2}, {"rectangle_mm": [100, 80]}])
@@ -334,19 +301,3 @@ def test_sizes_of_what_is_not_printed_may_be_anything():
     radial = {"profile": "radial", "over_mm": 30}
     stars = {"length_mm": radial | {"from": 8, "to": 0.5}, "thickness_mm": radial | {"from": 0.3, "to": 0.0}}
     assert len(lay(border={"rings": 2}, stars=stars).centres) == 7
-
-
-def test_the_spacing_is_the_shorter_of_the_steps():
-    for steps in ([[14, 0], [0, 20]], [[20, 0], [0, 14]]):
-        sheet = lay(
-            stars={"length_mm": 5}, lattice={"kind": "custom", "vectors_mm": steps}, border={"rectangle_mm": [70, 70]}
-        )
-        assert sheet.spacing_mm == pytest.approx(14.0)
-
-
-@pytest.mark.parametrize("way", [1, -1])
-def test_borders_run_counterclockwise_whichever_way_they_are_drawn(way):
-    corners = [[-40, -30], [45, -35], [30, 40]]
-    sheet = lay(border={"polygon_mm": corners[::way]})
-    assert Polygon(sheet.outline).exterior.is_ccw
-    assert {*map(tuple, sheet.outline)} == {*map(tuple, corners)}

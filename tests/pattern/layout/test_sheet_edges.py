@@ -73,6 +73,7 @@ def test_holes_have_the_order_of_the_design() -> None:
         ([{"holes": [0]}, {"points_mm": [[5, 8]]}], (SQUARE,), "must not hold what pins[0] holds already"),
         ([{"holes": [0], "target_mm": [[0, 0, 1]]}], (SQUARE,), "does not go with holes, but scale and offset_mm do"),
         ([{"holes": [0], "edges": [1]}], (SQUARE,), "pins[0]"),
+        ([{"points_mm": [[8, 8]]}], (SQUARE,), "must be on the sheet, not in a hole"),
     ],
 )
 def test_wrong_numbers_are_refused_in_one_line(pins: list[Any], holes: tuple[Any, ...], line: str) -> None:

@@ -81,9 +81,11 @@ def test_a_star_is_changed_once(second: dict[str, Any]) -> None:
     assert caught.value.stars == (0,) and caught.value.place_mm == (0.0, 0.0)
 
 
-def test_a_site_off_the_sheet_is_named_once() -> None:
+def test_a_site_off_the_sheet_is_named_once_and_sites_are_whole() -> None:
     with pytest.raises(DesignError, match=r"changes site \[9, 9\] again"):
         layout(design([{"site": [9, 9], "length_mm": 5.0}] * 2))
+    with pytest.raises(ValueError, match="whole numbers"):
+        with_painted_stars(design(), [[0.5, 0.0]], np.ones((1, 3)))
 
 
 def test_painted_stars_are_overrides_by_site() -> None:
@@ -111,25 +113,12 @@ def test_a_star_comes_back_with_the_size_of_its_profile() -> None:
     assert (sizes(layout(with_painted_stars(gone, [[0, 0]], [[7.0, 0.3, 1.2]]))) == sizes(layout(base))).all()
 
 
-@pytest.mark.parametrize("sites", [[[0.5, 0.0]], [0, 1, 2], [[np.nan, 0.0]]])
-def test_painted_sites_are_whole(sites: Any) -> None:
-    with pytest.raises(ValueError, match="whole numbers"):
-        with_painted_stars(design(), sites, np.ones((len(sites), 3)))
-
-
 def test_numbers_of_stars_leave_out_those_that_a_hole_replaces() -> None:
     border = {"rings": 2, "holes": [{"circle_mm": {"radius": 12.0}}]}
     base = Design.from_dict(design([{"star": 3, "length_mm": 5.0}]).to_dict() | {"border": border})
     (entry,) = overrides_by_site(base)
     assert entry.site == tuple(layout(base).sheet_sites[3].tolist())
     assert (sizes(layout(with_painted_stars(base, [], []))) == sizes(layout(base))).all()
-
-
-def test_entries_that_fit_no_star_are_named_by_the_layout() -> None:
-    base = design([{"star": 400, "length_mm": 5.0}])
-    assert overrides_by_site(base) == list(base.stars.override)
-    with pytest.raises(DesignError, match="the last star"):
-        layout(base)
 
 
 @pytest.mark.parametrize(

@@ -58,11 +58,6 @@ def test_arms_that_touch_a_line_are_refused_with_both_places() -> None:
         layout(design(rods={"draw": [beside]}, border={"rings": 1}))
 
 
-def test_pins_are_moved_onto_arms_and_lines() -> None:
-    plan = layout(design(pins=[{"points_mm": [(0.1, 0.1), (39.9, 0.0)]}]))
-    np.testing.assert_allclose(plan.pins[0].points, [[0.0, 0.0], [40.0, 0.0]], atol=1e-9)
-
-
 def test_stars_keep_clear_of_holes_and_of_their_rims() -> None:
     window = {"name": "window", "circle_mm": {"radius": 6.0}}
     border = {"rods": "rim", "holes": [{"rods": "window"}]}

@@ -9,7 +9,6 @@ from hypothesis import strategies as st
 
 from asterism.pattern import gallery
 from asterism.pattern.design.errors import MeshError
-from asterism.pattern.geometry.planar import triangle_angles
 from asterism.pattern.layout import build
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.aligned_mesh import MIN_ALIGNED_ANGLE_DEG, aligned_mesh
@@ -50,23 +49,18 @@ def test_hexagon_of_rings(n, edge):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("k", range(5, 17))
-@pytest.mark.parametrize("length", [3.0, 4.5, 6.0, 8.0, 9.0, 11.0, 12.0])
+@pytest.mark.parametrize("k", [5, 8, 12, 16])
+@pytest.mark.parametrize("length", [3.0, 6.0, 9.0, 12.0])
 def test_any_length_and_edge(k, length):
     sound(rings(1, length), D / k, 36)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("border", [L_SHAPE, SLANTED, RECTANGLE, ROUND, 0.97 * hexagon(2)])
-@pytest.mark.parametrize("length", [4.0, 10.0, 13.0])
-@pytest.mark.parametrize("edge", [1.5, 2.3])
+@pytest.mark.parametrize("length", [4.0, 13.0])
+@pytest.mark.parametrize("edge", [1.8])
 def test_any_border(border, length, edge):
     sound(stars_on(border, length, margin=0.5), edge, 20)
-
-
-@pytest.mark.parametrize("edge", [3.0, 2.0, 1.5])
-def test_tips_just_inside_the_border(edge):
-    sound(rings(1, 14.5), edge, 20)
 
 
 @pytest.mark.parametrize("directions", [[30.0], [30.0, 210.0], [30.0, 90.0, 210.0], [30.0, 150.0, 210.0, 270.0]])
@@ -85,24 +79,6 @@ def test_symmetric(length):
     turn = np.array([unit(120.0), unit(210.0)])
     assert same_after(mesh, mesh.points @ turn)
     assert same_after(mesh, mesh.points * [-1, 1])
-
-
-def test_equilateral_without_reason_to_differ():
-    """Stars whose arms end on grid points, far from the border: every triangle there is equilateral."""
-    mesh = aligned_mesh(rings(2, D / 2), D / 8)
-    inner = np.linalg.norm(mesh.points[mesh.triangles].mean(axis=1), axis=1) < 15
-    assert np.allclose(triangle_angles(mesh.points, mesh.triangles[inner]), 60, atol=0.2)
-
-
-def test_deterministic():
-    one, two = (aligned_mesh(stars_on(SLANTED, 9.0), 2.0) for _ in range(2))
-    assert np.array_equal(one.points, two.points)
-    assert np.array_equal(one.triangles, two.triangles)
-
-
-def test_varying_lengths():
-    lengths = np.interp(np.linalg.norm(rings(2).centres, axis=1), [0, 35], [11.0, 4.0])
-    sound(rings(2, lengths), 1.6, 40)
 
 
 def test_arms_that_reach_the_next_star():
@@ -139,15 +115,6 @@ def test_square_lattices_have_the_symmetry_of_the_square(length: float, edge: fl
         assert same_after(mesh, mesh.points @ np.array(turn))
 
 
-def test_rectangular_lattices_have_both_mirrors() -> None:
-    border = np.array([[-50.0, -37.5], [50.0, -37.5], [50.0, 37.5], [-50.0, 37.5]])
-    vectors = np.array([[20.0, 0.0], [0.0, 15.0]])
-    sheet = layout(border, lattice_points(2, vectors), 5.0, FOUR, vectors=vectors)
-    mesh = aligned_mesh(sheet, 2.0)
-    for mirror in ([-1, 1], [1, -1]):
-        assert same_after(mesh, mesh.points * mirror)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("name", ["u-shape", "roof", "tunnel"])
 def test_a_draft_will_do(name):
@@ -156,14 +123,6 @@ def test_a_draft_will_do(name):
     obey(sheet, draft)
     assert MIN_ALIGNED_ANGLE_DEG <= smallest_angle(draft) <= smallest_angle(whole)
     assert len(draft.points) == len(whole.points)
-
-
-def test_border_is_even():
-    sheet = stars_on(RECTANGLE, 10.0, margin=3.0)
-    mesh = aligned_mesh(sheet, 2.0)
-    along = mesh.points[mesh.border_vertices]
-    steps = np.linalg.norm(np.roll(along, -1, axis=0) - along, axis=1)
-    assert np.all(np.abs(steps - 1.92) < 0.08)
 
 
 def test_pins():
@@ -199,7 +158,7 @@ def test_eight_arms_do_not_fit_a_square_grid():
 
 
 @pytest.mark.slow
-@settings(max_examples=25)
+@settings(max_examples=15)
 @given(
     st.integers(0, 2),
     st.floats(0.5, D),

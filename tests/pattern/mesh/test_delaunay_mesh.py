@@ -13,14 +13,9 @@ from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.delaunay_mesh import delaunay_mesh
 from asterism.pattern.mesh.mesh import Mesh
 from tests.pattern.layouts import (
-    L_SHAPE,
-    RECTANGLE,
-    ROUND,
     SIX,
-    SLANTED,
     D,
     hexagon,
-    lattice_points,
     layout,
     pin,
     rings,
@@ -38,8 +33,8 @@ def sound(sheet: Layout, edge: float, angle: float) -> Mesh:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("n", [0, 1, 3])
-@pytest.mark.parametrize("length", [2.0, 5.5, 10.0, 13.0])
+@pytest.mark.parametrize("n", [0, 2])
+@pytest.mark.parametrize("length", [2.0, 5.5, 13.0])
 @pytest.mark.parametrize("edge", [3.0, 1.5])
 def test_hexagon_of_rings(n, length, edge):
     assert min(len(rod) for rod in sound(rings(n, length), edge, 25).rods) >= 3
@@ -53,19 +48,6 @@ def test_edges_are_as_long_as_wished(edge):
     assert len(mesh.triangles) == pytest.approx(polygon_area(sheet.outline) / (np.sqrt(3) / 4 * edge**2), rel=0.25)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("border", [L_SHAPE, SLANTED, RECTANGLE, ROUND])
-@pytest.mark.parametrize("length", [4.0, 10.0])
-def test_any_border(border, length):
-    sound(stars_on(border, length, margin=0.5), 2.0, 20)
-
-
-def test_border_is_even():
-    mesh = delaunay_mesh(stars_on(RECTANGLE, 10.0, margin=3.0), 2.0)
-    along = mesh.points[mesh.border_vertices]
-    assert np.allclose(np.linalg.norm(np.roll(along, -1, axis=0) - along, axis=1), 2.0)
-
-
 @pytest.mark.parametrize("directions", [(0.0, 120.0, 240.0), (45.0 * np.arange(8)).tolist(), (10.0, 80.0)])
 def test_any_arms(directions):
     sound(rings(1, 7.0, directions), 2.0, 24)
@@ -77,12 +59,6 @@ def test_tips_that_meet_share_a_vertex():
         mesh = delaunay_mesh(sheet, 2.0)
         obey(sheet, mesh)
         assert len({int(rod[-1]) for rod in mesh.rods}) == 30
-
-
-def test_tip_on_a_star_shares_its_vertex():
-    sheet = layout(hexagon(3), lattice_points(1, D * unit([30.0, 90.0])), D)
-    mesh = sound(sheet, 2.0, 20)
-    assert len({int(rod[-1]) for rod in mesh.rods} & {*mesh.star_vertices.tolist()}) > 3
 
 
 @pytest.mark.slow
@@ -122,7 +98,7 @@ def test_pins():
 
 
 @pytest.mark.slow
-@settings(max_examples=25)
+@settings(max_examples=12)
 @given(st.data())
 def test_any_polygon(data):
     """Star-shaped outlines with stars of any length and direction: a sound mesh, or one line that says why not."""

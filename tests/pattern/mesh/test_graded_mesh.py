@@ -14,7 +14,7 @@ from asterism.pattern.geometry.planar import triangle_angles, triangle_areas
 from asterism.pattern.layout.build import layout as layout_of
 from asterism.pattern.mesh.graded_mesh import GRADED_EDGE_FACTOR, MIN_GRADED_ANGLE_DEG, MIN_KEPT_ANGLE, Grading
 from asterism.pattern.mesh.meshing import mesh_layout
-from tests.pattern.layouts import L_SHAPE, RECTANGLE, ROUND, SIX, SLANTED, THREE, D, layout, pin, rings, stars_on, unit
+from tests.pattern.layouts import L_SHAPE, RECTANGLE, ROUND, SIX, SLANTED, THREE, D, pin, rings, stars_on, unit
 from tests.pattern.mesh_rules import obey, same_after, smallest_angle
 
 TRIANGLE = np.array([[-60, -40], [60, -35], [5, 60]], dtype=float)
@@ -47,8 +47,8 @@ def finer_at_arms(even, mesh):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("k", [7, 10, 14])
-@pytest.mark.parametrize("length", [7.0, 10.0, 13.0])
+@pytest.mark.parametrize("k", [7, 14])
+@pytest.mark.parametrize("length", [7.0, 13.0])
 @pytest.mark.parametrize("kind", ["aligned", "delaunay"])
 def test_the_same_triangles_but_finer_at_the_arms(k, length, kind):
     even, mesh = sound(rings(1, length), D / k, kind)
@@ -57,8 +57,8 @@ def test_the_same_triangles_but_finer_at_the_arms(k, length, kind):
 
 @pytest.mark.slow
 @pytest.mark.parametrize("border", [L_SHAPE, SLANTED, RECTANGLE, ROUND, TRIANGLE, T_SHAPE])
-@pytest.mark.parametrize("length", [6.0, 10.0, 13.0])
-@pytest.mark.parametrize("edge", [1.7, 2.4, 5.0])
+@pytest.mark.parametrize("length", [6.0, 13.0])
+@pytest.mark.parametrize("edge", [2.4, 5.0])
 def test_any_outline_stays_aligned(border, length, edge):
     even, mesh = sound(stars_on(border, length, margin=0.5), edge)
     assert mesh.kind == even.kind and (edge == 5.0 or mesh.kind == "aligned")
@@ -71,13 +71,6 @@ def test_any_outline_stays_aligned(border, length, edge):
 def test_arms_that_end_just_inside_the_outline(gap):
     for kind in ("auto", "delaunay"):
         sound(rings(1, 15.0 - gap), 2.4, kind)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("directions", [(0.0, 90.0, 180.0, 270.0), SIX])
-def test_squares_and_other_stars(directions):
-    vectors = D * np.eye(2) if len(directions) == 4 else D * unit([30.0, 90.0])
-    sound(layout(RECTANGLE, [[0.0, 0.0], vectors[0]], 7.0, directions, vectors=vectors), 2.4, "aligned")
 
 
 def test_pins_stay():
@@ -129,7 +122,7 @@ def test_vertices_crowd_at_the_tip():
 
 
 @pytest.mark.slow
-@settings(max_examples=25)
+@settings(max_examples=10)
 @given(st.data())
 def test_any_polygon(data):
     """Wherever there is an even mesh, there is a graded one."""

@@ -134,11 +134,6 @@ def test_an_ellipse_is_a_hole_and_an_outline() -> None:
         Design.from_dict({**one.to_dict(), "border": {"circle_mm": {"centre": [4990, 0], "radius": 40}}})
 
 
-def test_pins_in_holes_are_refused() -> None:
-    with pytest.raises(DesignError, match=r"pins\[0\] = .*: must be on the sheet, not in a hole"):
-        layout(design(ROUND, pins=[{"points_mm": [(0.0, 10.0)]}]))
-
-
 @pytest.mark.parametrize("place", [(6.1, 10.0), (5.9, 10.0), (-4.243, 14.243), (0.0, 16.1)])
 def test_pins_beside_the_edge_of_a_hole_are_moved_onto_it(place: tuple[float, float]) -> None:
     plan = layout(design(ROUND, pins=[{"points_mm": [place, (-30, -30), (30, -30)]}]))

@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.planar import triangle_angles, triangle_areas
 from asterism.pattern.mesh.triangulate import triangulate
-from tests.pattern.layouts import unit
 
 SQUARE = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], dtype=float)
 LOOP = np.array([[0, 1], [1, 2], [2, 3], [3, 0]])
@@ -26,13 +25,6 @@ def around(polygon, n):
     """n points on each side of a polygon."""
     part = np.arange(n)[:, None] / n
     return np.concatenate([a + part * (b - a) for a, b in zip(polygon, np.roll(polygon, -1, axis=0), strict=True)])
-
-
-def test_square():
-    points, triangles = triangulate(SQUARE, LOOP)
-    assert np.array_equal(points, SQUARE)
-    assert triangles.shape == (2, 3) and triangles.dtype == np.int64
-    assert np.allclose(triangle_areas(points, triangles), 0.5)
 
 
 @pytest.mark.parametrize("angle", [0, 20, 30, 33])
@@ -139,7 +131,7 @@ COORDINATE = st.one_of(st.integers(0, 4).map(float), st.floats(0, 4), st.integer
 
 
 @pytest.mark.slow
-@settings(max_examples=120)
+@settings(max_examples=60)
 @given(
     st.lists(st.tuples(COORDINATE, COORDINATE), min_size=3, max_size=12),
     st.lists(st.tuples(st.integers(0, 11), st.integers(0, 11)), max_size=14),
@@ -162,19 +154,3 @@ def test_any_input(points, segments, framed, angle, area, holes):
     assert areas.min() > 0
     if framed and not holes:
         assert areas.sum() == pytest.approx(36)
-
-
-@pytest.mark.slow
-@settings(max_examples=100)
-@given(st.lists(st.floats(0.05, 1), min_size=3, max_size=30), st.sampled_from([None, 20, 30]))
-def test_star_polygons(radii, angle):
-    polygon = np.array(radii)[:, None] * unit([360.0 * q / len(radii) for q in range(len(radii))])
-    polygon = polygon @ np.array([unit(7.0), unit(97.0)])
-    try:
-        mesh, triangles = triangulate(polygon, loop(len(polygon)), min_angle_deg=angle)
-    except MeshError:
-        # three points leave no room for an inside around the origin, and large angles pass it
-        return
-    closed = np.roll(polygon, -1, axis=0)
-    total = 0.5 * (polygon[:, 0] * closed[:, 1] - polygon[:, 1] * closed[:, 0]).sum()
-    assert triangle_areas(mesh, triangles).sum() == pytest.approx(total)

@@ -1,4 +1,4 @@
-"""Drawings as graphs and meshes: lines, curves, motifs, rims, and what is refused."""
+"""Graphs and meshes of drawings and of stars: lines, curves, motifs, rims, tips that meet, and what is refused."""
 
 from __future__ import annotations
 
@@ -13,7 +13,6 @@ from asterism.pattern.geometry.planar import polygon_area, triangle_angles, tria
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.meshing import mesh_layout
-from tests.pattern.rods.drawings import random_drawing
 
 SQUARE = {"rectangle_mm": [60.0, 60.0]}
 
@@ -121,17 +120,6 @@ def test_what_is_refused(draw: list[dict[str, Any]], words: str) -> None:
     assert words in str(caught.value) and "\n" not in str(caught.value)
 
 
-def test_sizes_of_all_lines_are_named_as_those() -> None:
-    with pytest.raises(DesignError, match=r"^rods.width_mm = -1.0: must be from 0.1 to 10 along rib"):
-        sheet(RIB, rods={"width_mm": -1.0})
-
-
-def test_a_rim_is_one_line() -> None:
-    rims = [{"name": "rim", "circle_mm": {"radius": radius}} for radius in (10, 20)]
-    with pytest.raises(DesignError, match="must be the name or layer of one line; 2 lines have it"):
-        sheet(*rims, border={"rods": "rim"})
-
-
 @pytest.mark.parametrize(
     ("border", "words"),
     [({"rods": "edge"}, "must be the name or layer of one line, of rib"), ({"rods": "rib"}, "must be a closed line")],
@@ -139,6 +127,15 @@ def test_a_rim_is_one_line() -> None:
 def test_rims_that_are_none(border: dict[str, Any], words: str) -> None:
     with pytest.raises(DesignError, match=words):
         sheet({"name": "rib", "line_mm": [[-20, 0], [20, 0]]}, border=border)
+
+
+def test_rims_and_meshes_of_several_lines() -> None:
+    rims = [{"name": "rim", "circle_mm": {"radius": radius}} for radius in (10, 20)]
+    with pytest.raises(DesignError, match="must be the name or layer of one line; 2 lines have it"):
+        sheet(*rims, border={"rods": "rim"})
+    close = [{"line_mm": [[-20, -y], [20, y]]} for y in (0.0, 7.4)]  # they cross at 20.3 degrees
+    with pytest.raises(MeshError, match="lines are too close together"):
+        mesh_layout(sheet(*close), 2.0)
 
 
 def test_a_pattern_is_needed_and_drawn_rods_have_no_aligned_mesh() -> None:
@@ -151,15 +148,23 @@ def test_a_pattern_is_needed_and_drawn_rods_have_no_aligned_mesh() -> None:
         mesh_layout(layout(design), 4.0, "aligned")
 
 
-@pytest.mark.parametrize("seed", [6, 11, 13, 25, 33, 40, 48, 59])
-def test_random_drawings_have_good_meshes_or_one_line_of_reason(seed: int) -> None:
-    try:
-        plan = layout(design := Design.from_dict(random_drawing(seed)))
-        mesh = mesh_layout(plan, design.mesh.edge_mm)
-    except (DesignError, MeshError) as error:
-        assert str(error).startswith("rods: ") and "\n" not in str(error)
-        return
-    assert triangle_angles(mesh.points, mesh.triangles).min() >= 20.0
-    on_rods = np.unique(np.concatenate(mesh.rods))
-    ends = {mesh.rods[k][-1] for k in range(len(mesh.rods))} | {path[0] for path in mesh.rods}
-    assert len(ends) == len(plan.graph.nodes) and ends <= set(on_rods.tolist())
+def test_stars_apart_have_no_joint() -> None:
+    sheet = layout(Design.from_dict({"stars": {"length_mm": 10.0}, "border": {"rings": 1}}))
+    assert sheet.graph.joints == () and sheet.graph.links == ()
+    assert sheet.graph.paired.tolist() == list(range(7))
+    assert [rod.group for rod in sheet.graph.rods] == sheet.arm_star.tolist()
+    np.testing.assert_array_equal([rod.points[1] for rod in sheet.graph.rods], sheet.arm_tip)
+
+
+def test_three_tips_meet_in_one_joint() -> None:
+    """Turned by 30 degrees, with arms of d/sqrt(3), the stars are a honeycomb."""
+    stars, lattice = {"length_mm": 10.0}, {"orientation_deg": 30}
+    graph = layout(Design.from_dict({"stars": stars, "lattice": lattice, "border": {"rings": 1}})).graph
+    assert sorted(len(graph.ends_at[node]) for node in graph.joints) == [2] * 3 + [3] * 3
+    assert len(graph.paired) == 7
+
+
+def test_tips_on_the_centre_of_a_neighbour_are_bonded_to_its_arms() -> None:
+    graph = layout(Design.from_dict({"stars": {"length_fraction": 1.0}, "border": {"rings": 1}})).graph
+    # three arms of its own and three that reach the central star
+    assert len(graph.ends_at[0]) == 6 and 0 in graph.joints and 0 not in graph.paired

@@ -59,7 +59,7 @@ def test_no_value_is_not_finite_and_quick(text):
 
 
 @given(st.text(max_size=80) | st.text(alphabet="xyr()+-*/%.,<>=0123456789 eminaxsctw_[]'\"", max_size=80))
-@settings(max_examples=150)
+@settings(max_examples=60)
 def test_any_text_is_a_value_or_refused(text):
     try:
         values = evaluate(text, AT)
@@ -72,8 +72,3 @@ def test_long_sums_are_not_deep() -> None:
     assert evaluate("+".join(["0.1*x"] * 80), AT) == pytest.approx(8.0 * AT["x"])
     with pytest.raises(ExpressionError, match="nested at most 40 deep"):
         checked_expression("-" * 60 + "1")
-
-
-def test_functions_take_their_arguments_in_order() -> None:
-    with pytest.raises(ExpressionError, match="has min with arguments by name"):
-        checked_expression("min(x=1, y=2)")

@@ -71,14 +71,6 @@ def test_picture_stays_with_the_design(picture):
     assert load_design(picture / "design.toml") == design
 
 
-def test_pictures_of_16_bits_are_the_same_as_of_8(tmp_path):
-    ramp = np.tile(np.arange(0, 65536, 257, dtype=np.uint16), (40, 1))
-    Image.fromarray(ramp).save(tmp_path / "map.png")
-    field = Design.from_dict(_with_picture(extent_mm=[256, 40]), tmp_path).stars.length_mm
-    at = np.column_stack([np.array([0.5, 100.5, 255.5]) - 128.0, np.zeros(3)])
-    np.testing.assert_allclose(sample(field, at), 4 + 5 * np.array([0, 100, 255]) / 255, atol=1e-6)
-
-
 @pytest.mark.parametrize("bits", [8, 16])
 @pytest.mark.parametrize("orientation", range(1, 9))
 def test_photographs_are_read_as_they_are_shown(orientation, bits, tmp_path):
