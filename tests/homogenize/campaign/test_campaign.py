@@ -137,12 +137,11 @@ def test_bare_fabric_without_an_answer_says_why(records: list[SampleRecord]) -> 
         fit_law(plan(), wrong)
 
 
-@pytest.mark.slow
+@pytest.mark.usefixtures("one_process")
 def test_an_exception_is_a_failed_cell_and_tried_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     records = run_campaign(plan(), tmp_path, 2, respond=fake.breaks)
     assert {r.failed for r in records if r.task.sizes[0] == 10.0} == {"AssertionError: a bug"}
     assert all(r.failed is None for r in records if r.task.sizes[0] != 10.0)
-    same_process.use(monkeypatch)
     monkeypatch.setenv("ASTERISM_FAKE_MENDED", "")
     assert all(r.failed is None for r in run_campaign(plan(), tmp_path, 2, respond=fake.breaks))
 

@@ -10,10 +10,9 @@ from scipy.spatial import cKDTree
 
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.cell.aligned_cell_mesh import aligned_cell_mesh
-from asterism.homogenize.cell.conforming_triangulation import nearest_image
 from asterism.homogenize.cell.flat_cell import relax_flat_cell
 from asterism.homogenize.cell.periodic_mesh import PeriodicMesh
-from asterism.homogenize.cell.point_group import aligned_lines, keeps_grid_lines, mirror_lines, point_group
+from asterism.homogenize.cell.point_group import aligned_lines, keeps_grid_lines, point_group
 from asterism.homogenize.cell.sample import SCALAR_KEYS, solve_cell, symmetric_responses
 from asterism.homogenize.cell.unit_cell import UnitCell, cell_mesh
 from asterism.pattern.design.lattice import Lattice
@@ -60,18 +59,6 @@ def test_the_group_is_that_of_star_and_lattice() -> None:
         "square": [2, 8, 2, 4, 2, 8],
         "oblique": [1, 2, 1, 2, 1, 2],
     }
-
-
-@pytest.mark.parametrize("kind", KINDS)
-def test_a_reflection_about_a_mirror_line_maps_the_lattice_onto_itself(kind: str) -> None:
-    lattice = Lattice(arms=4, **KINDS[kind])
-    vectors = np.asarray(lattice.vectors)
-    lines = mirror_lines(vectors, point_group(lattice))
-    assert len(lines) == {"triangular": 2, "square": 6, "rectangular": 4, "rhombic": 2, "oblique": 0}[kind]
-    for line in lines:
-        for site in np.array([[0, 0], [1, 0], [2, 1]]) @ vectors:
-            image = site - 2.0 * ((site - line.point) @ line.normal) * line.normal
-            np.testing.assert_allclose(nearest_image(image, vectors), 0.0, atol=1e-9)
 
 
 @pytest.mark.slow

@@ -12,7 +12,6 @@ from hypothesis import strategies as st
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.cell.point_group import ALL_ANGLES_RAD
 from asterism.homogenize.law.anisotropy import (
-    ANISOTROPY_SIZE,
     BENDING_COLUMNS,
     ISOTROPIC_PLATE,
     MEMBRANE_COLUMNS,
@@ -20,14 +19,12 @@ from asterism.homogenize.law.anisotropy import (
     MIN_BENDING_RATIO,
     MOMENT_COLUMNS,
     SPHERICAL,
-    anisotropy_size,
     isotropic_constants,
     isotropic_plane,
     natural_curvatures,
     sample_anisotropy,
     voigt_matrices,
 )
-from asterism.pattern.design.design import Design
 
 FROM_X = np.array(ALL_ANGLES_RAD) + 0.5 * np.pi
 LAM = 0.75
@@ -52,16 +49,6 @@ def sample(q: Floats, m: Floats, hoop: Floats | float = LAM) -> dict[str, Any]:
 def tensors(found: dict[str, Any]) -> tuple[Floats, Floats]:
     own, kappa = sample_anisotropy(found), np.mean(found["natural_curvature"])
     return ISOTROPIC_PLATE + voigt_matrices(own[BENDING_COLUMNS]), kappa * SPHERICAL + own[MOMENT_COLUMNS]
-
-
-def test_only_sheets_without_threefold_symmetry_have_them() -> None:
-    def size(**sections: Any) -> int:
-        return anisotropy_size(Design.from_dict({"stars": {"length_mm": 5.0}, "border": {"rings": 1}, **sections}))
-
-    assert size() == size(lattice={"orientation_deg": 10.0}) == size(fabric={"stretch": [1.2, 1.2]}) == 0
-    uneven: list[dict[str, Any]] = [{"stretch": [1.2, 1.3]}, {"modulus_mpa": [2.0, 1.0]}]
-    assert {size(fabric=fabric) for fabric in uneven} == {ANISOTROPY_SIZE}
-    assert {size(lattice=lattice) for lattice in ({"arms": 4}, {"kind": "square"})} == {ANISOTROPY_SIZE}
 
 
 def test_stars_that_are_alike_in_all_directions_have_none() -> None:
