@@ -15,7 +15,6 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.reports.write_results import write_results
-from asterism.results.records.exact import ExactRecord
 from asterism.shape.shape import Shape
 
 
@@ -25,13 +24,6 @@ def star_shape(edge_mm: float, **fabric: float) -> Shape:
     shape = exact_shape(Design.from_dict({**data, "fabric": fabric}))
     assert shape.summary["is_minimum"]
     return shape
-
-
-def star(edge_mm: float, modulus: float = 2.0) -> ExactRecord:
-    """Its summary on fabric of this modulus."""
-    summary = star_shape(edge_mm, modulus_mpa=modulus).summary
-    assert isinstance(summary, ExactRecord)
-    return summary
 
 
 def rod_along_x() -> tuple[DiscreteModel, np.ndarray]:
@@ -69,17 +61,12 @@ def test_a_rod_in_a_given_shape_needs_the_forces_of_beam_theory() -> None:
         assert forces["shear_n_per_mm"][inner] == pytest.approx(shear, abs=error)
 
 
-def test_forces_are_proportional_to_the_moduli() -> None:
-    one, two = star(2.4, 1.0), star(2.4, 2.0)
-    assert one.peel_star == 0
-    for name in ("peel_n_per_mm", "shear_n_per_mm"):
-        assert two[name] == pytest.approx(2.0 * one[name], rel=1e-5)
-
-
 @pytest.mark.slow
-def test_forces_converge_with_the_mesh() -> None:
-    coarse, fine = star(2.4), star(1.2)
+def test_forces_are_proportional_to_the_moduli_and_converge_with_the_mesh() -> None:
+    half, coarse, fine = (star_shape(edge, modulus_mpa=e).summary for edge, e in ((2.4, 1.0), (2.4, 2.0), (1.2, 2.0)))
+    assert coarse["peel_star"] == 0
     for name in ("peel_n_per_mm", "shear_n_per_mm"):
+        assert coarse[name] == pytest.approx(2.0 * half[name], rel=1e-5)
         assert coarse[name] == pytest.approx(fine[name], rel=0.05)
 
 

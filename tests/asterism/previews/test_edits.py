@@ -4,22 +4,16 @@ from __future__ import annotations
 
 import copy
 import pickle
-from collections.abc import Callable
 from functools import partial
 from typing import Any
 
 import numpy as np
 import pytest
 
-import asterism.previews.print_sheet as print_sheet
 import asterism.previews.solve as solve_module
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
-from asterism.pattern.layout.layout import Layout
-from asterism.pattern.mesh.mesh import Mesh
-from asterism.pattern.mesh.meshing import mesh_layout
-from asterism.previews import sheet as sheets
 from asterism.previews.session import Preview
 from tests.asterism.previews import designs
 
@@ -41,18 +35,13 @@ def break_off_while_it_settles(preview: Preview, design: Design, monkeypatch: py
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("name", "key", "ends"),
-    [
-        ("dome", "length_mm", (9.0, 7.0)),
-        ("tube", "thickness_mm", (0.4, 0.5)),
-        pytest.param("tunnel", "thickness_mm", (0.3, 0.36), marks=pytest.mark.slow),
-    ],
+    ("name", "key", "ends"), [("dome", "length_mm", (9.0, 7.0)), ("tube", "thickness_mm", (0.4, 0.5))]
 )
 def test_who_drags_through_linear_responses_sees_a_sheet(name: str, key: str, ends: tuple[float, float]) -> None:
     """Each starts from the last equilibrium, not from the last response."""
     preview = Preview(edited(name))
     size = preview.shell.extent
-    for value in np.linspace(*ends, 30):
+    for value in np.linspace(*ends, 9):
         stage = next(preview.edit(edited(name, stars={key: float(value)})))
         assert stage.name == "linear" and np.ptp(stage.x, axis=0).max() < 1.5 * size
         assert not preview.equilibrium.is_minimum or value == ends[0]
@@ -61,25 +50,6 @@ def test_who_drags_through_linear_responses_sees_a_sheet(name: str, key: str, en
     assert stage.x == pytest.approx(once.x, abs=1e-9 * size)
     final = preview.update(edited(name, stars={key: ends[1]}))
     assert final.summary["is_minimum"]
-
-
-@pytest.mark.slow
-def test_an_edit_that_is_broken_off_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    preview = Preview(edited("dome"))
-    before, height = preview.design, preview.shape().height_mm
-    other = edited("dome", stars={"override": [{"star": 3, "remove": True}], "thickness_mm": 0.33})
-
-    def interrupted(*_: Any) -> None:
-        raise KeyboardInterrupt
-
-    with monkeypatch.context() as patch:
-        patch.setattr(solve_module, "linear_response", interrupted)
-        with pytest.raises(KeyboardInterrupt):
-            preview.update(other)
-    assert preview.design is before and preview.equilibrium.is_minimum
-    assert np.linalg.norm(preview.shell.gradient(preview.equilibrium.x)) <= preview.equilibrium.tolerance
-    assert preview.shape().height_mm == height
-    assert preview.update(other).height_mm == pytest.approx(Preview(other).shape().height_mm, rel=1e-6)
 
 
 def test_an_edit_after_one_that_was_broken_off_while_it_settled(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -112,38 +82,12 @@ def test_a_stage_is_the_callers_own() -> None:
         assert np.ptp(preview.equilibrium.x[:, 2]) == height
 
 
-@pytest.mark.parametrize("copied", [copy.copy, copy.deepcopy, pickle.dumps], ids=["copy", "deepcopy", "pickle"])
-def test_a_preview_is_not_copied(copied: Callable[[Preview], object]) -> None:
+def test_a_preview_is_not_copied() -> None:
     """A copy would share the shell that edits change."""
-    with pytest.raises(TypeError, match="cannot be copied or pickled"):
-        copied(Preview(edited("star")))
-
-
-@pytest.mark.slow
-def test_what_is_shown_is_kept_while_arms_stay(monkeypatch: pytest.MonkeyPatch) -> None:
-    meshed: list[Layout] = []
-
-    def counted(plan: Layout, *how: Any, **more: Any) -> Mesh:
-        meshed.append(plan)
-        return mesh_layout(plan, *how, **more)
-
-    monkeypatch.setattr(print_sheet, "mesh_layout", counted)
-    sheets._kept.clear()
-    preview = Preview(edited("dome"))
-    preview.shape()
-    for change, count in (
-        ({"stars": {"thickness_mm": 0.33}}, 1),
-        ({"stars": {"thickness_mm": 0.33, "length_mm": 7.5}}, 2),
-        ({"stars": {"override": [{"star": 3, "remove": True}]}}, 3),
-        ({"mesh": {"edge_mm": 3.0}}, 4),
-    ):
-        shape = preview.update(edited("dome", **change))
-        assert len(meshed) == count
-        sheets._kept.clear()
-        fresh = Preview(edited("dome", **change)).shape()
-        meshed.pop()
-        assert shape.positions == pytest.approx(fresh.positions, abs=1e-4)
-        assert shape.rod_fields["thickness_mm"] == pytest.approx(fresh.rod_fields["thickness_mm"])
+    preview = Preview(edited("star"))
+    for copied in (copy.copy, copy.deepcopy, pickle.dumps):
+        with pytest.raises(TypeError, match="cannot be copied or pickled"):
+            copied(preview)
 
 
 @pytest.mark.parametrize(("name", "said"), [("tube", True), ("dome", False)])
@@ -195,16 +139,13 @@ def test_softness_is_that_of_the_sheet_after_an_edit_without_change_was_broken_o
 @pytest.mark.parametrize(
     "change",
     [
-        {"border": {"rings": 2}},
         {"border": {"polygon_mm": [[62, 30], [0, 66], [-60, 35], [-55, -38], [0, -68], [60, -33]]}},
         {"pins": [{"edges": [0, 1, 3, 4], "scale": 0.74}]},
     ],
-    ids=["smaller", "drawn", "fewer pins"],
+    ids=["drawn", "fewer pins"],
 )
 def test_another_outline_can_keep_the_form(change: dict[str, Any]) -> None:
-    data = edited("dome").to_dict() | change
-    design = Design.from_dict(data)
-    preview = Preview(edited("dome"))
+    design, preview = Design.from_dict(edited("dome").to_dict() | change), Preview(edited("dome"))
     (stage,) = preview.edit(design, keep_form=True)
     assert stage.name == "equilibrium" and preview.equilibrium.is_minimum and preview.equilibrium.guess == "form"
     assert preview.equilibrium.energy == pytest.approx(Preview(design).equilibrium.energy, rel=1e-6)
@@ -219,5 +160,6 @@ def test_a_much_larger_sheet_starts_anew_though_its_form_is_to_be_kept() -> None
 def test_a_kept_form_can_be_searched_again() -> None:
     preview, smaller = Preview(edited("dome")), edited("dome", border={"rings": 2})
     list(preview.edit(smaller, keep_form=True))
+    assert preview.equilibrium.guess == "form"
     assert preview.search_again().name == "equilibrium" and preview.equilibrium.guess != "form"
     assert np.array_equal(preview.equilibrium.x, Preview(smaller).equilibrium.x)

@@ -21,6 +21,7 @@ from asterism.previews.search_minima import (
     is_narrow,
 )
 from asterism.previews.session import Preview
+from tests.asterism.previews.designs import edited
 from tests.fem.hexagons import FIELDS, RADIUS, density, hexagon, radius
 
 FOLDS = of_stretch(density(100.0), 0.8, lambda p: -0.06 * radius(p) ** 2)
@@ -46,25 +47,14 @@ def test_caps_never_cost_energy(fields: Fields) -> None:
     factor.close()
 
 
-@pytest.mark.parametrize("curls", [True, False])
-def test_a_folded_sheet_is_found(curls: bool) -> None:
-    """By its tight curls, or because the roll is soft in two ways."""
-    shell = Shell(Argyris(hexagon(1)), FOLDS)
-    found = find_equilibrium(shell, shell.factor(), "auto", SheetTraits(has_tight_curls=curls))
-    assert found.is_minimum and found.energy < 0.98 * relax(shell).energy
-
-
-def narrow_dome() -> Design:
-    """Its border is so narrow that it stays on either side."""
-    data = gallery.load("dome").to_dict()
-    data["pins"][0]["scale"] = 0.7
-    return Design.from_dict(data)
+# its border is so narrow that it stays on either side
+NARROW_DOME = edited("dome", pins=[{"where": "border", "scale": 0.7}])
 
 
 @pytest.mark.slow
 def test_a_form_on_the_side_that_is_asked_for_is_shown_though_it_is_dearer() -> None:
     """A held dome would rather go up from its border; both are minima."""
-    preview = Preview(narrow_dome())
+    preview = Preview(NARROW_DOME)
     down = preview.equilibrium
     factor = preview.shell.factor()
     up = find_equilibrium(preview.shell, factor, "up", SheetTraits())
@@ -116,8 +106,7 @@ def test_sides_of_free_and_held_states() -> None:
     assert side_of(shell, found.x) == side and side_of(shell, shell.flat) == "auto"
     turned = found.x * [1.0, -1.0, -1.0]  # half a turn is no other side
     assert side_of(shell, turned) == side
-    hangs = gallery.load("dome").to_dict() | {"pins": [{"points_mm": [[0.0, 0.0]]}]}
-    middle = Preview(Design.from_dict(hangs))
+    middle = Preview(edited("dome", pins=[{"points_mm": [[0.0, 0.0]]}]))
     assert middle.shape().extent_mm[2] > 20.0 and side_of(middle.shell, middle.equilibrium.x) == "down"
 
 
@@ -129,7 +118,7 @@ def test_sheets_soft_in_two_ways_are_started_from_other_kinds(fields: Fields, so
     found = find_equilibrium(shell, shell.factor(), "auto", SheetTraits())
     tried, before = ({trial.name for trial in each.trials} for each in (found, alone))
     assert tried > before if soft else tried == before
-    assert found.is_minimum and found.energy <= 1.02 * alone.energy
+    assert found.is_minimum and found.energy < (0.98 if soft else 1.02) * alone.energy
 
 
 @pytest.mark.slow
@@ -153,12 +142,9 @@ def test_what_gaussian_curvature_saves_is_a_part_of_the_energy() -> None:
     assert found.absolute_energy == pytest.approx(found.energies["sheet"] - found.energies["gaussian"])
 
 
-@pytest.mark.parametrize("thickness", [0.4, 0.405])
-def test_a_tube_that_hardly_prefers_an_axis_settles_soon(thickness: float) -> None:
+def test_a_tube_that_hardly_prefers_an_axis_settles_soon() -> None:
     """A soft motion with a negative stiffness on its way: without turning it round, 100 iterations and more."""
-    data = gallery.load("tube").to_dict()
-    data["stars"]["thickness_mm"] = thickness
-    found = Preview(Design.from_dict(data)).equilibrium
+    found = Preview(edited("tube", stars={"thickness_mm": 0.405})).equilibrium
     assert found.is_minimum
     assert found.soft_modes[1] > 10.0 * found.soft_modes[0]
     assert found.fallbacks == 0
@@ -168,7 +154,7 @@ def test_a_tube_that_hardly_prefers_an_axis_settles_soon(thickness: float) -> No
 @pytest.mark.slow
 def test_a_held_sheet_on_the_wrong_side_is_tried_from_flat(monkeypatch: pytest.MonkeyPatch) -> None:
     """Guesses may turn over on the way; a dome that hangs below its border costs more."""
-    preview = Preview(narrow_dome())
+    preview = Preview(NARROW_DOME)
     shell, right = preview.shell, preview.equilibrium
     over = right.x * [1.0, 1.0, -1.0]
     assert is_inverted(shell, over, "down") and is_inverted(shell, right.x, "up")

@@ -10,15 +10,11 @@ from asterism.previews.session import preview
 from asterism.print.bed_placement import size_warning
 
 
-def test_there_is_a_template_for_each_common_form() -> None:
-    assert set(gallery.template_names()) == {"canopy", "arch", "saddle"}
+def test_one_sentence_says_what_a_design_is() -> None:
     assert not set(gallery.template_names()) & set(gallery.names())
-
-
-@pytest.mark.parametrize("name", [*gallery.template_names(), *gallery.names()])
-def test_one_sentence_says_what_a_design_is(name: str) -> None:
-    words = gallery.words(name)
-    assert words.endswith(".") and 10 <= len(words) <= 140 and "\n" not in words
+    for name in (*gallery.template_names(), *gallery.names()):
+        words = gallery.words(name)
+        assert words.endswith(".") and 10 <= len(words) <= 140 and "\n" not in words
 
 
 @pytest.mark.slow

@@ -169,14 +169,6 @@ def test_the_sheet_comes_back_exactly(tmp_path: Path, capfd: pytest.CaptureFixtu
         assert np.array_equal(mesh.cell_data_dict[name]["triangle"], values)
 
 
-def test_every_star_is_found_at_its_centre(tmp_path: Path) -> None:
-    shape = sheets.sheet(sheets.dome)
-    write_shape_vtu(shape, tmp_path / "shape.vtu")
-    mesh = meshio.read(tmp_path / "shape.vtu")
-    for number, vertex in enumerate(shape.star_vertices):
-        assert np.flatnonzero(mesh.point_data["star"] == number).tolist() == [vertex]
-
-
 def test_the_arms_come_back_exactly(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     shape = sheets.sheet(sheets.dome)
     write_rods_vtu(shape, tmp_path / "rods.vtu")
@@ -196,12 +188,3 @@ def test_a_sheet_without_stars_is_written_too(tmp_path: Path) -> None:
     write_shape_vtu(shape, tmp_path / "shape.vtu")
     assert (tmp_path / "rods.vtu").read_text().rstrip().endswith("</VTKFile>")
     assert len(meshio.read(tmp_path / "shape.vtu").points) == len(shape.printed)
-
-
-def test_flags_are_written_as_numbers(tmp_path: Path) -> None:
-    shape = sheets.sheet(sheets.flat, edge=10.0)
-    shape = replace(shape, point_fields={"pinned": shape.printed[:, 0] > 0, "single": np.float32(shape.star)})
-    write_shape_vtu(shape, tmp_path / "shape.vtu")
-    mesh = meshio.read(tmp_path / "shape.vtu")
-    assert np.array_equal(mesh.point_data["pinned"], shape.printed[:, 0] > 0)
-    assert np.array_equal(mesh.point_data["single"], shape.star)

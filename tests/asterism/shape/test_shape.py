@@ -3,13 +3,11 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import get_type_hints
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from jaxtyping import jaxtyped
 from scipy.spatial.transform import Rotation
 
 from asterism.equilibrium.errors import Error
@@ -38,14 +36,6 @@ def test_an_affine_map_is_reproduced_everywhere(point: tuple[float, float]) -> N
 
 def affine(points: np.ndarray) -> np.ndarray:
     return points @ np.array([[0.7, 0.1, 0.3], [-0.2, 0.8, 0.5]]) + [1.0, 2.0, 3.0]
-
-
-def test_arrays_have_the_annotated_shapes() -> None:
-    hints = get_type_hints(Shape)
-    with jaxtyped("context"):  # equal letters stand for equal numbers
-        for name in ("printed", "positions", "triangles", "star", "star_vertices"):
-            assert isinstance(getattr(AFFINE_SHEET, name), hints[name]), name
-        assert not isinstance(AFFINE_SHEET.positions[:-1], hints["positions"])
 
 
 AFFINE_SHEET = sheets.sheet(affine, edge=5.0)
@@ -117,12 +107,6 @@ def test_aligned_shows_the_plastic_side_and_turns_vectors() -> None:
     vectors = {"normal": vertex_normals(upside_down.positions, shape.triangles)}
     turned = replace(upside_down, point_fields=vectors).aligned()
     assert np.allclose(turned.point_fields["normal"], vertex_normals(turned.positions, turned.triangles))
-
-
-def test_rod_edges_run_from_the_centre_to_the_tip() -> None:
-    shape = sheets.sheet(sheets.flat)
-    assert len(shape.rod_edges) == len(shape.rod_fields["arm"])
-    assert shape.rod_edges[0, 0] == shape.rods[0][0]
 
 
 @pytest.mark.parametrize("wrong", [99, -1, 0.5])

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from typing import Any
 
 import numpy as np
@@ -20,8 +19,6 @@ from asterism.sweeps.sweep import check_model, sweep_design, sweep_parameters
     ("text", "values"),
     [
         ("stars.thickness_mm=0.2:0.6:9", (0.2, 0.25, 0.3, 0.35, 0.4, 0.45, 0.5, 0.55, 0.6)),
-        ("stars.length_mm=10:6:3", (10, 8, 6)),
-        ("border.rings=1,2", (1, 2)),
         ("border.rings=1:3:3", (1, 2, 3)),
         ("fabric.bending=paper,consistent", ("paper", "consistent")),
         ("gravity.on=false,true", (False, True)),
@@ -43,14 +40,8 @@ def test_a_range_without_a_number_of_values_has_limits() -> None:
     ("text", "problem"),
     [
         ("stars.thickness_mm", "must be PATH=FROM:TO:COUNT"),
-        ("=0.2", "must be PATH=FROM:TO:COUNT"),
-        ("a=", "must be PATH=FROM:TO:COUNT"),
-        ("a=0.2:x:3", "'x' is not a number"),
         ("a=0.2:inf:3", "'inf' is not a number"),
-        ("a=1:2:3:4", "must be PATH=FROM:TO:COUNT"),
         ("a=0.2:0.6:1", "the third number counts values, it must be from 2 to 10000"),
-        ("a=0.2:0.6:0.5", "the third number counts values"),
-        ("a=0.2:0.2:3", "an empty range"),
         ("a=0.6:0.2", "an empty range, the first number must be below the second"),
         ("a=0.3,0.3", "the value 0.3 is there twice"),
         ("a=0.3,,0.4", "value 2 is empty"),
@@ -76,34 +67,20 @@ def test_values_are_put_at_their_paths() -> None:
     ("vary", "problem"),
     [
         ({"stars.thicknes_mm": [0.3]}, r"stars.thicknes_mm = 0.3: unknown key, did you mean thickness_mm\?"),
-        ({"star.length_mm": [8.0]}, r"star .*unknown key"),
         ({"pins.1.scale": [0.7]}, "pins.1: pins is a list, with 0 to 0"),
-        ({"pins.first.scale": [0.7]}, "pins.first: pins is a list"),
         ({"name.x": [1]}, "name.x: name is 'dome', which has no 'x'"),
         ({"stars.thickness_mm": ["thick"]}, "stars.thickness_mm = 'thick': must be a number"),
-        ({"fabric.thickness_mm": [0.3, -1.0]}, r"fabric.thickness_mm = -1.0: must be at least"),
         ({"fabric.thickness_mm": "0:0.5"}, r"fabric.thickness_mm = 0.0: must be at least"),
         ({"border.rings": [1.5]}, "border.rings = 1.5: must be a whole number"),
         ({"stars.length_mm": [8.0], "stars.length_mm.from": [8.0]}, "is a part of stars.length_mm, which is varied"),
         ({"stars.length_mm": []}, "must have a value"),
+        ({"rods.thickness_mm": [0.3]}, r"^rods.thickness_mm: the design has no \[rods\]; it has \[stars\]$"),
         ({}, "a sweep needs a parameter"),
     ],
 )  # fmt: skip
 def test_what_the_design_does_not_have_is_refused(vary: dict[str, Any], problem: str) -> None:
     with pytest.raises(SweepError, match=problem):
         sweep_parameters(gallery.load("dome"), vary)
-
-
-@pytest.mark.parametrize(
-    ("name", "path", "problem"),
-    [
-        ("leaf", "stars.thickness_mm", "stars.thickness_mm: the design has no [stars]; it has [rods]"),
-        ("dome", "rods.thickness_mm", "rods.thickness_mm: the design has no [rods]; it has [stars]"),
-    ],
-)
-def test_sizes_of_the_other_pattern_are_refused_by_the_name_of_its_section(name: str, path: str, problem: str) -> None:
-    with pytest.raises(SweepError, match=f"^{re.escape(problem)}$"):
-        check_parameters(gallery.load(name), [SweepParameter(path, (0.3, 0.4))])
 
 
 def test_previews_of_drawings_that_do_not_repeat_are_refused_at_once() -> None:
@@ -174,10 +151,5 @@ def test_previews_of_motifs_solve_their_cells_unless_a_law_is_given() -> None:
     table["rods"]["thickness_mm"] = VARIED
     graded = sweep_cost(Design.from_dict(table), [], 1, False, 1).seconds
     assert graded >= START_S + MOTIF_PREVIEW_S + 4 * MOTIF_CELL_S
-
-
-def test_a_design_without_a_law_counts_as_one_cell() -> None:
-    table = gallery.load("skew-grid").to_dict()
-    table["fabric"]["bending"] = "none"
-    without = Design.from_dict(table)
-    assert sweep_cost(without, [], 1, False, 1).seconds == START_S + MOTIF_PREVIEW_S + MOTIF_CELL_S
+    table["fabric"]["bending"] = "none"  # a design without a law counts as one cell
+    assert sweep_cost(Design.from_dict(table), [], 1, False, 1).seconds == START_S + MOTIF_PREVIEW_S + MOTIF_CELL_S

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import os
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 
@@ -24,16 +23,6 @@ def browser() -> str | None:
 def lacks_browser() -> bool:
     """Whether tests in a browser are left out: there is none, and the run does not promise one."""
     return browser() is None and os.environ.get("ASTERISM_NEEDS_BROWSER") != "1"
-
-
-def opened(page: Path, profile: Path, *options: str) -> str:
-    """What the browser prints for a page; it reaches no network."""
-    program = browser()
-    assert program is not None, f"ASTERISM_NEEDS_BROWSER = 1, but none of these is installed: {', '.join(NAMES)}"
-    flags = ["--headless", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--hide-scrollbars"]
-    closed = ["--host-resolver-rules=MAP * ~NOTFOUND", f"--user-data-dir={profile}", "--virtual-time-budget=5000"]
-    command = [program, *flags, *closed, *options, page.as_uri()]
-    return subprocess.run(command, capture_output=True, text=True, check=True, timeout=120).stdout
 
 
 if __name__ == "__main__":

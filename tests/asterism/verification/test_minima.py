@@ -24,7 +24,6 @@ from asterism.verification.minima import (
     alike,
     right_shape,
     same_branch,
-    same_energy,
 )
 from asterism.verification.progress import WHOLE, ExactProgress
 from asterism.verification.run import STAGES, verify
@@ -47,11 +46,6 @@ def shape(energy: float, off: tuple[int, ...] = (), minimum: bool = True, **more
 )
 def test_certified_ones_first_then_sides_then_energy(release: Any, preview: Any, counts: str) -> None:
     assert right_shape({"release": release, "preview": preview}) == counts
-
-
-def test_two_minima_are_one_if_their_energies_are() -> None:
-    assert same_energy(854.4459, 854.4459 + 1e-5) and same_energy(-1.0, -1.0 - 1e-8)
-    assert not same_energy(854.4459, 853.9709)
 
 
 def test_starts_agree_only_on_images_of_each_other() -> None:

@@ -134,14 +134,9 @@ def test_two_minima_of_nearly_one_energy_are_told(energy: float, apart: float, t
         "a print may rest in either"
     )
     assert with_other(apart, {}, {"energy_n_mm": energy}) == ([line] if told else [])
-
-
-def test_a_start_that_has_come_to_no_minimum_is_no_second_form() -> None:
-    assert with_other(9.0, {}, {"energy_n_mm": 1.0001, "is_minimum": False}) == []
-
-
-def test_how_high_a_sheet_hangs_makes_two_minima_no_more_alike() -> None:
-    assert with_other(9.0, {"energy_n_mm": 100.0, "gravity": 99.0}, {"energy_n_mm": 100.1, "gravity": 99.0}) == []
+    # a start that has come to no minimum is no second form; and how high a sheet hangs makes two no more alike
+    assert with_other(apart, {}, {"energy_n_mm": energy, "is_minimum": False}) == []
+    assert with_other(apart, *({"energy_n_mm": each, "gravity": 99.0} for each in (100.0, 100.1))) == []
 
 
 def test_what_the_exact_model_said_is_passed_on_once() -> None:

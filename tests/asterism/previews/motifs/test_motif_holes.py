@@ -34,47 +34,31 @@ def test_a_side_of_a_hole_pulls_as_a_side_of_the_outline_does() -> None:
     assert upper_and_lower == pytest.approx(0.5 * 1.0 - 25.0 / 12.0) and len(upper_and_lower) == 2
 
 
-def test_fabric_around_a_hole_is_bare_and_the_sheet_weighs_what_is_printed() -> None:
+def test_fabric_around_a_hole_is_bare() -> None:
     border = {"rectangle_mm": (60.0, 60.0), "holes": [ROUND], "tip_margin_mm": 6.0}
-    design = net(border=border, gravity={"on": True}, fabric={"modulus_mpa": 0.7})
+    design = net(border=border)
     plan = layout(design)
     sheet = MotifSheet.of(design, plan, net_law(design))
     assert sheet.table.weights.sum() == pytest.approx(plan.area_mm2)
     away = np.linalg.norm(sheet.table.points, axis=-1)
     assert sheet.bare[away < 11.0].max() > 0.5 and sheet.bare[(away > 18.0) & (away < 22.0)].max() < 0.1
-    volume = sum(rod.length * rod.thickness[0] * rod.width[0] for rod in plan.graph.rods)
-    mass = design.fabric.printed_mass * plan.area_mm2 + 1e-9 * design.plastic.density_kg_m3 * volume
-    moved_by_one = np.zeros((1, 6, 3)) + np.eye(6)[0][None, :, None]
-    shift = sheet.space.interpolate(lambda points: np.repeat(moved_by_one, len(points), axis=0))
-    pull = (shift * sheet.loads())[:, 2].sum()
-    assert pull == pytest.approx(-mass * design.gravity.acceleration_m_s2, rel=1e-6)
 
 
 @pytest.mark.slow
-def test_the_shape_is_certified_and_has_the_hole() -> None:
-    design = net(border={"rectangle_mm": (40.0, 40.0), "holes": [ROUND]})
+def test_the_shape_is_certified_and_has_the_hole_where_its_pins_are() -> None:
+    pins = [{"holes": [0], "scale": 0.85, "offset_mm": [0.0, 0.0, 4.0]}, {"where": "border", "scale": 0.85}]
+    design = net(border={"rectangle_mm": (40.0, 40.0), "holes": [ROUND]}, pins=pins)
     preview = Preview(design, net_law(design))
     shape = preview.shape()
+    rim = np.linalg.norm(shape.printed, axis=1) < 9.0 + 1e-6
+    held = np.column_stack([0.85 * shape.printed[rim], np.full(rim.sum(), 4.0)])
+    assert rim.sum() > 8 and shape.positions[rim] == pytest.approx(held, abs=0.05)
     assert preview.equilibrium.is_minimum and shape.summary["expected_rms_percent"] > 0.0
     with pytest.raises(ValueError, match="off the sheet"):
         shape.at(np.array([[0.0, 0.0]]))
     wider = net(border={"rectangle_mm": (40.0, 40.0), "holes": [{"circle_mm": {"centre": [0, 0], "radius": 8.5}}]})
     assert not preview.state.sheet.is_same_print(wider, layout(wider))
     assert len(preview.update(wider).printed) > 0
-
-
-@pytest.mark.slow
-def test_the_edge_of_a_hole_stands_where_its_pins_are() -> None:
-    pins = [{"holes": [0], "scale": 0.85, "offset_mm": [0.0, 0.0, 4.0]}, {"where": "border", "scale": 0.85}]
-    design = net(border={"rectangle_mm": (40.0, 40.0), "holes": [ROUND]}, pins=pins)
-    preview = Preview(design, net_law(design))
-    shape = preview.shape()
-    away = np.linalg.norm(shape.printed, axis=1)
-    rim = away < 9.0 + 1e-6
-    assert rim.sum() > 8
-    assert shape.positions[rim] == pytest.approx(
-        np.column_stack([0.85 * shape.printed[rim], np.full(rim.sum(), 4.0)]), abs=0.05
-    )
 
 
 def test_a_hole_within_a_cell_has_no_rim_of_its_own_and_a_warning_if_it_cuts_rods() -> None:

@@ -68,24 +68,6 @@ def test_sizes_are_edited_without_new_cells(tmp_path: Path, monkeypatch: pytest.
 
 
 @pytest.mark.slow
-def test_another_motif_has_other_cells(monkeypatch: pytest.MonkeyPatch) -> None:
-    laws: list[Any] = []
-
-    def counted(design: Design, plan: object, known: Any, say: Any) -> object:
-        laws.append(net_law(design, known, say))
-        return laws[-1]
-
-    monkeypatch.setattr(preview_session, "serving_law", counted)
-    session = Preview(net())
-    session.update(net(pins=PINS))
-    assert laws[1] is laws[0]
-    other = net(rods={"motif": [CROSS[0]], "thickness_mm": 0.4})
-    shape = session.update(other)
-    assert laws[2] is not laws[0] and shape.summary.is_minimum
-    assert session.design == other
-
-
-@pytest.mark.slow
 def test_pins_hold_the_sheet_where_they_are() -> None:
     design = net(pins=[{"where": "corners", "scale": 0.9}])
     shape = Preview(design, net_law(design)).shape()
@@ -110,10 +92,17 @@ def test_a_session_returns_to_its_snapshot_and_turns_over() -> None:
 
 
 @pytest.mark.slow
-def test_one_session_takes_stars_after_a_motif(monkeypatch: pytest.MonkeyPatch) -> None:
-    laws = {True: net_law(net()), False: plain_law()}
-    monkeypatch.setattr(preview_session, "serving_law", lambda design, *others: laws[design.rods is not None])
+def test_one_session_takes_another_motif_and_stars_after_a_motif(monkeypatch: pytest.MonkeyPatch) -> None:
+    def serving(design: Design, plan: object, known: Any, say: Any) -> Any:
+        return plain_law() if design.rods is None else net_law(design, known, say)
+
+    monkeypatch.setattr(preview_session, "serving_law", serving)
     session = Preview(net())
+    law = session.law
+    session.update(net(pins=PINS))
+    assert session.law is law
+    assert session.update(net(rods={"motif": [CROSS[0]], "thickness_mm": 0.4})).summary.is_minimum
+    assert session.law is not law
     session.update(Design.from_dict({"border": {"rings": 1}, "stars": {"length_mm": 9.0, "thickness_mm": 0.3}}))
     assert len(session.sheet.values.sizes) == 7
     session.update(net())
