@@ -46,20 +46,6 @@ def test_simulate_writes_a_certified_shape(design: Path, cli: Cli) -> None:
     assert shape.layout is not None and len(shape.layout.rim) == 2
 
 
-@pytest.mark.parametrize("name", ["preview", "verify", "calibrate"])
-def test_commands_that_need_a_law_say_so_in_one_line(name: str, design: Path, cli: Cli) -> None:
-    done = cli([name, str(design), "--quiet"])
-    assert done.status == 2
-    assert "law" in done.line and "asterism simulate" in done.line
-
-
-@pytest.mark.slow
-def test_several_starts_are_compared_along_the_rods(design: Path) -> None:
-    shape = asterism.simulate(asterism.load_design(design), starts=3)
-    assert shape.summary["is_minimum"] and shape.summary["minima_seen"] >= 1
-    assert shape.summary["minima"][0]["distance_percent"] == pytest.approx(0.0, abs=1e-9)
-
-
 @pytest.mark.slow
 def test_parallel_lines_roll_contract_and_count_their_mirror_images_once() -> None:
     lines = [{"line_mm": [(-20, y), (20, y)]} for y in range(-20, 21, 4)]
@@ -80,15 +66,6 @@ def test_a_sheet_with_a_hole_is_certified_and_softer(design: Path) -> None:
     assert shape.summary.is_minimum and shape.summary.energy_n_mm < 0.98 * whole.summary.energy_n_mm
     with pytest.raises(ValueError, match="sheet"):
         shape.at([[0.0, 9.0]])
-
-
-@pytest.mark.slow
-def test_previews_take_holes_whose_edges_are_held_by_number(tmp_path: Path, cli: Cli) -> None:
-    text = "[stars]\nlength_mm = 8.0\n[border]\nrings = 2\n[[border.holes]]\ncircle_mm = { radius = 5 }\n"
-    text += "[[pins]]\nholes = [0]\nscale = 0.8\n"
-    (tmp_path / "d.toml").write_text(text, encoding="utf-8")
-    done = cli(["preview", str(tmp_path / "d.toml"), "--quiet"])
-    assert done.status == 0
 
 
 BESIDE = """

@@ -11,9 +11,6 @@ import pytest
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.exact.simulation import exact_shape
 from asterism.homogenize.campaign.design_plan import plan_for_design
-from asterism.homogenize.cell.flat_cell import relax_flat_cell
-from asterism.homogenize.cell.natural_curvature import trace_tubes
-from asterism.homogenize.cell.unit_cell import UnitCell
 from asterism.homogenize.errors import ForeignLaw
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
@@ -52,16 +49,6 @@ def sags(shape: Shape) -> tuple[float, float]:
     """mm, heights of the middle over the ends of the lines through it, along x and along y."""
     at = shape.at(np.array([[0.0, 0.0], [18.0, 0.0], [-18.0, 0.0], [0.0, 18.0], [0.0, -18.0]]), 3.0)[:, 2]
     return float(at[0] - at[1:3].mean()), float(at[0] - at[3:].mean())
-
-
-def test_every_line_curls_away_from_its_own_face() -> None:
-    design = net()
-    plan = layout(design)
-    model = DiscreteModel(design, plan, mesh_layout(plan, 4.0))
-    rods = [plan.graph.rods[k] for k in model.network.rod[model.network.stencil_edges[:, 0]]]
-    rest = model.parts["rod_bending"].params[:, 2]
-    assert all((turn > 0.0) == rod.name.startswith("row") for turn, rod in zip(rest, rods, strict=True))
-    assert {rod.name[:3]: rod.side for rod in plan.graph.rods} == {"row": 1, "col": -1}
 
 
 def test_lines_of_two_faces_share_the_place_and_no_joint() -> None:
@@ -126,22 +113,6 @@ def test_the_exact_shape_bends_both_ways_and_exchanged_faces_mirror_it() -> None
     np.testing.assert_allclose(other.positions, MIRROR * shape.positions, atol=1e-5)
     for key in ("curvature_per_mm", "peel_n_per_mm", "shear_n_per_mm"):  # as seen from the face of each line
         np.testing.assert_allclose(other.rod_fields[key], shape.rod_fields[key], atol=1e-5)
-
-
-@pytest.mark.slow
-def test_the_unit_cell_curls_one_way_along_each_family_by_the_same_amount() -> None:
-    """A quarter turn maps rows above onto columns below in the mirror image of the cell."""
-    cell = UnitCell(motif(), 3.0)
-    assert cell.joint_vertices.tolist() == [0, 0]  # one of each face
-    flat = relax_flat_cell(cell)
-    assert flat.deformation == pytest.approx(flat.deformation[0, 0] * np.eye(2), abs=1e-6)
-    curvature = []
-    for angle in (0.0, 0.5 * np.pi):
-        natural = trace_tubes(cell, flat, angle).natural
-        assert natural is not None
-        curvature.append(natural.curvature)
-    # the tube of the first angle bends around y, along the columns
-    assert curvature[0] < -0.005 and curvature[1] == pytest.approx(-curvature[0], rel=0.02)
 
 
 @pytest.mark.slow

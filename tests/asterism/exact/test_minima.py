@@ -94,12 +94,6 @@ def test_stars_that_snap_back_are_named() -> None:
     assert flat.summary["stars_off_branch"] == []
 
 
-def test_pins_after_release_are_in_the_path() -> None:
-    s = exact_shape(small(pins=[{"where": "corners", "scale": 0.8, "step": 1}])).summary
-    assert s["is_minimum"]
-    assert [step["step"] for step in s["path"]] == [0] * 10 + [1] * 6
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "sections",

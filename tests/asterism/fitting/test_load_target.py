@@ -51,7 +51,6 @@ def test_options_of_other_types_are_refused_in_one_line(tmp_path: Path) -> None:
     Image.fromarray((255 * vault(21)).astype(np.uint8)).save(tmp_path / "vault.png")
     wrong: list[tuple[dict[str, Any], str]] = [
         ({"heights_mm": 12.0, "extent_mm": 90.0}, "heights_mm = 12.0: must be two numbers of mm"),
-        ({"heights_mm": (0.0, "high"), "extent_mm": 90.0}, "must be two numbers of mm"),
         ({"heights_mm": (0.0, np.nan), "extent_mm": 90.0}, "must be two numbers of mm"),
         ({"heights_mm": (0.0, 12.0), "extent_mm": "wide"}, "extent_mm = 'wide': must be a number of mm above 0"),
         ({"heights_mm": (0.0, 12.0), "extent_mm": 90.0, "size_mm": "big"}, "size_mm = 'big': must be a number of mm"),
@@ -134,9 +133,7 @@ def test_a_mesh_of_rhino_is_taken_as_it_is(tmp_path: Path) -> None:
     vertices, triangles = dome(points=31)
     for place in vertices.tolist():
         mesh.Vertices.Add(*place)
-    for corners in triangles[:900].tolist():
-        mesh.Faces.AddFace(*corners)
-    for corners in triangles[900:].tolist():
+    for corners in triangles.tolist():
         mesh.Faces.AddFace(*corners)
     target = load_target(rhino_file(tmp_path / "dome.3dm", "Millimeters", Mesh=mesh))
     assert target.diameter_mm == pytest.approx(80.0 * np.sqrt(2.0), rel=1e-6)
@@ -145,6 +142,7 @@ def test_a_mesh_of_rhino_is_taken_as_it_is(tmp_path: Path) -> None:
 def test_files_of_rhino_without_a_surface_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     rhino3dm = pytest.importorskip("rhino3dm")
     start, end = rhino3dm.Point3d(0, 0, 0), rhino3dm.Point3d(9, 9, 9)
+    box, vault = rhino3dm.Box(rhino3dm.BoundingBox(0, 0, 0, 9, 9, 9)), nurbs_vault(rhino3dm)
     wrong = {
         "empty.3dm": (rhino_file(tmp_path / "empty.3dm"), "holds no visible surface or mesh, nothing"),
         "line.3dm": (
@@ -152,19 +150,10 @@ def test_files_of_rhino_without_a_surface_are_refused(tmp_path: Path, monkeypatc
             "no visible surface or mesh, only LineCurve",
         ),
         "ball.3dm": (rhino_file(tmp_path / "ball.3dm", Brep=rhino3dm.Sphere(start, 5.0).ToBrep()), "is closed"),
-        "box.3dm": (
-            rhino_file(
-                tmp_path / "box.3dm",
-                Brep=rhino3dm.Brep.CreateFromBox(rhino3dm.Box(rhino3dm.BoundingBox(0, 0, 0, 9, 9, 9))),
-            ),
-            "without its render mesh",
-        ),
-        "light.3dm": (
-            rhino_file(tmp_path / "light.3dm", "LightYears", Surface=nurbs_vault(rhino3dm)),
-            "its unit is LightYears",
-        ),
+        "box.3dm": (rhino_file(tmp_path / "box.3dm", Brep=rhino3dm.Brep.CreateFromBox(box)), "without its render mesh"),
+        "light.3dm": (rhino_file(tmp_path / "light.3dm", "LightYears", Surface=vault), "its unit is LightYears"),
     }
-    whole = rhino_file(tmp_path / "whole.3dm", Surface=nurbs_vault(rhino3dm)).read_bytes()
+    whole = rhino_file(tmp_path / "whole.3dm", Surface=vault).read_bytes()
     for name, content in (("cut.3dm", whole[: len(whole) // 3]), ("text.3dm", b"hello"), ("void.3dm", b"")):
         (tmp_path / name).write_bytes(content)
         wrong[name] = (tmp_path / name, "cannot be read as 3DM")
@@ -207,18 +196,8 @@ def test_corners_that_nearly_coincide_are_welded(tmp_path: Path) -> None:
     assert np.allclose(welded.disk.vertices, whole.disk.vertices, atol=1e-4)
 
 
-def test_a_full_grid_is_taken_as_it_is() -> None:
-    x, y = np.linspace(-3.0, 3.0, 4), np.linspace(-1.0, 1.0, 3)
-    heights = np.arange(12.0).reshape(3, 4)
-    vertices, triangles = height_mesh(heights, x, y)
-    assert len(triangles) == 12
-    assert vertices[:, 2].tolist() == heights.ravel().tolist()
-    assert vertices[5].tolist() == [-1.0, 0.0, 5.0]
-
-
-@pytest.mark.parametrize("points", [41, 81])
-def test_a_round_border_has_no_steps(points: int) -> None:
-    x = np.linspace(-40.0, 40.0, points)
+def test_a_round_border_has_no_steps() -> None:
+    x = np.linspace(-40.0, 40.0, 41)
     step, radius = x[1] - x[0], np.hypot(x[None], x[:, None])
     heights = np.where(radius < 36.0, 20.0 - 0.01 * radius**2, np.nan)
     disk = disk_of(*height_mesh(heights, x, x), "round")

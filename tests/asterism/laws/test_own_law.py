@@ -61,19 +61,6 @@ def test_a_preview_learns_its_fabric_and_a_calibration_finds_the_cells(here: Pat
     assert gone.out.strip() == f"2 cells removed from {here / 'cells'}" and not list((here / "cells").iterdir())
 
 
-@pytest.mark.slow
-@pytest.mark.usefixtures("blank_pictures")
-def test_another_material_has_a_law_of_its_own(here: Path, cli: Cli) -> None:
-    write(here / "d.toml", thickness=0.8)
-    (here / "my m.toml").write_text("[plastic]\nmodulus_ratio = 100000\n")
-    (here / "d-law.npz").write_text("the law of the design's own material")
-    made = cli(["calibrate", "d.toml", "--material", "my m.toml", "--jobs", "1"])
-    then = made.out.splitlines()[-1].removeprefix("now run  asterism ")
-    assert then == "preview d.toml --material 'my m.toml' --law 'd-law-my m.npz'"
-    assert cli(shlex.split(then)).status == 0
-    assert (here / "d-law.npz").read_text() == "the law of the design's own material"
-
-
 def test_a_law_for_something_else_is_named(here: Path, cli: Cli) -> None:
     (here / "foreign.npz").write_bytes(law_bytes(plain_law(1.2)))
     write(here / "d.toml", 2.0)

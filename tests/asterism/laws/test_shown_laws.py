@@ -38,9 +38,6 @@ def test_a_law_that_misses_its_cells_says_so() -> None:
     line = held_out_warning(law)
     assert line is not None and "at stretch 1.75" in line and "8 % in curvature and 2 % in bending stiffness" in line
     assert f"  {line}" in law_lines(law)
-
-
-def test_a_law_that_does_not_is_silent() -> None:
     assert held_out_warning(load_law()) is None and held_out_warning(missed(4.9, 4.9)) is None
     untested = replace(load_law(), residuals={"1.35": {"held_out": {"count": 0, "errors": {}}}})
     assert held_out_warning(untested) is None
@@ -97,21 +94,14 @@ def test_stretches_are_lengths_of_the_flat_sheet_and_stretch_axes_have_the_extre
     smaller, larger = values_along(tensors, stretch_axes(tensors.metric))["stretch"][0]
     assert smaller == pytest.approx(stretches.min(), rel=1e-5)
     assert larger == pytest.approx(stretches.max(), rel=1e-5)
-
-
-def test_axes_of_a_sheet_that_contracts_evenly_are_x_and_y() -> None:
+    # of a sheet that contracts evenly the axes are x and y; stiffnesses along x are the first components
     assert stretch_axes(np.array([[0.81, 0.81, 0.0]])).tolist() == [[[1.0, 0.0], [0.0, 1.0]]]
-
-
-def test_stiffnesses_along_x_are_the_first_components() -> None:
-    tensors = sheet()
     values = values_along(tensors, np.array([[1.0, 0.0]]))
     assert values["membrane"][0, 0] == pytest.approx(tensors.stiffness[0, 0, 0])
     assert values["bending"][0, 0] == pytest.approx(tensors.stiffness[0, 3, 3])
 
 
 VARIED = {"profile": "radial", "from": 0.4, "to": 0.5, "over_mm": 30.0}
-ACROSS = {"profile": "linear", "from": 1.1, "to": 1.2, "start_mm": [-30.0, 0.0], "end_mm": [30.0, 0.0]}
 
 
 def law_of(folder: Path, monkeypatch: pytest.MonkeyPatch, thickness: Any = 0.4, width: Any = 1.2) -> MotifLaw:
@@ -137,18 +127,6 @@ def test_a_law_of_one_cell_is_drawn_over_directions(tmp_path: Path, monkeypatch:
     (curve,) = curves(law, 3, "-")
     stiffness = law.tables[0](np.array([[0.4, 1.2]])).stiffness[0]
     assert np.asarray(curve.get_ydata())[[0, 90]] == pytest.approx([stiffness[0, 0], stiffness[1, 1]])
-
-
-def test_sizes_that_vary_have_a_row_with_both_principal_axes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    law = law_of(tmp_path, monkeypatch, VARIED, ACROSS)
-    charts = law_figure(law).axes
-    assert len(charts) == 2 * len(MOTIF_CHARTS)
-    below = charts[len(MOTIF_CHARTS)]
-    assert below.get_xlabel() == "thickness, mm"
-    labels = [text.get_text() for text in below.get_legend().get_texts()]  # type: ignore[union-attr]
-    widths = law.plan.sizes[1].nodes
-    assert labels[:2] == [f"width {widths[0]:g} mm, along the smaller stretch", f"width {widths[0]:g} mm, across it"]
-    assert len(labels) == 2 * len(widths)
 
 
 def test_sizes_without_a_law_are_dotted(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

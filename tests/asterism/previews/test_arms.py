@@ -41,7 +41,7 @@ def test_arms_keep_their_length_where_the_sheet_shrinks() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("length", "off"), [(10.0, 0.28), (7.0, 0.18), (5.0, 0.26)])
+@pytest.mark.parametrize(("length", "off"), [(10.0, 0.28), (5.0, 0.26)])
 def test_fabric_beside_arms_follows_them_as_in_a_flat_cell(length: float, off: float) -> None:
     cell, flat = relaxed(length, 0.4, EDGE)
     count, offset = cell.mesh.n_base, _from_star(cell)
@@ -70,13 +70,6 @@ def test_what_ends_at_a_held_side_and_what_is_pinned_stay() -> None:
     pinned = sheet([{"points_mm": [[0.0, -4.0], [20.0, 20.0], [-20.0, 20.0]], "scale": 0.8}])
     shares = arm_shares(pinned.sheet.arms, np.array([[0.0, -4.0]]))
     assert shares.along.max() < 1e-9
-
-
-def test_held_borders_stay() -> None:
-    preview = sheet([{"where": "border", "scale": 0.8}])
-    mesh = mesh_layout(preview.sheet.layout, 4.0)
-    shares = arm_shares(Arms(preview.sheet.layout, preview.sheet.space), mesh.points[mesh.pin_vertices[0]])
-    assert shares.along.max() < 0.02
 
 
 def _from_star(cell: UnitCell) -> np.ndarray:

@@ -24,7 +24,6 @@ CORNERS = {"where": "corners", "scale": 0.8}
         ({"pins": [CORNERS]}, HELD_FEW),
         ({"pins": [CORNERS], "border": {"rings": 3}}, HELD_MANY),
         ({"pins": [CORNERS], "gravity": {"on": True}, "fabric": {"modulus_mpa": 7.1875}}, HEAVY),
-        ({"stars": FEW["stars"] | {"override": [{"star": 0, "branch": "down"}]}}, None),
         ({"stars": FEW["stars"] | {"thickness_mm": 0.9}}, None),
     ],
 )

@@ -12,7 +12,6 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 import asterism
-import asterism.previews.solve as solve_module
 from asterism.exact.simulation import exact_shape
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.star_law import QUANTITY_NAMES
@@ -83,25 +82,13 @@ def test_the_shape_covers_the_whole_print(curly: Preview) -> None:
     assert len(shape.rods) == 3 * len(plan.centres) and len(shape.star_vertices) == len(plan.centres)
     assert shape.rod_fields["thickness_mm"] == pytest.approx(0.25)
     assert len(shape.rod_fields["arm"]) == len(shape.rod_edges)
-
-
-def test_summary_has_the_keys_of_a_simulation(curly: Preview) -> None:
-    summary = curly.shape().summary
-    same = {
-        "converged", "is_minimum", "gradient_norm", "gradient_tolerance", "energy_n_mm", "roll_axis_deg", "vertices",
-        "triangles", "dofs", "iterations", "factorisations", "saddles_left", "wall_s", "wall_s_by_stage", "height_mm",
-        "extent_mm", "contraction", "version", "design",
-    }  # fmt: skip
-    assert same | {"law", "law_in_range", "warnings"} <= set(summary)
-    assert summary["law_in_range"] and not summary["stars_tight"]
-    assert summary["design"] == CURLY.to_dict()
+    assert shape.summary["law_in_range"] and not shape.summary["stars_tight"]
+    assert shape.summary["design"] == CURLY.to_dict()
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "stars", [{"thickness_mm": 0.27}, {"thickness_mm": 0.25, "override": [{"star": 0, "remove": True}]}]
-)
-def test_an_edit_gives_the_shape_of_a_new_preview(stars: dict[str, Any]) -> None:
+def test_an_edit_gives_the_shape_of_a_new_preview() -> None:
+    stars = {"thickness_mm": 0.27, "override": [{"star": 0, "remove": True}]}
     preview, edited = Preview(CURLY, plain_law()), design(stars=stars, mesh={"edge_mm": 4.0})
     linear, final = preview.edit(edited)
     assert (linear.name, final.name) == ("linear", "equilibrium")
@@ -116,26 +103,21 @@ def test_an_edit_gives_the_shape_of_a_new_preview(stars: dict[str, Any]) -> None
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("step", [0, 1])
-def test_softness_is_known_after_edits_and_pins_too(step: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    """No edit waits for it; it is found once, when a summary is asked for."""
-    asked: list[None] = []
-    find = solve_module.softest_shell_modes
-    monkeypatch.setattr(solve_module, "softest_shell_modes", lambda *given: asked.append(None) or find(*given))
-    pins = [{"edges": [0]}, {"points_mm": [[0.0, -60.0]], "target_mm": [[0.0, -45.0, 5.0]], "step": step}]
-    one, other = (design(stars={"thickness_mm": t}, pins=pins, mesh={"edge_mm": 4.0}) for t in (0.3, 0.303))
+def test_later_pins_take_hold_and_softness_is_known_after_edits_too() -> None:
+    pins = [{"edges": [0]}, {"points_mm": [[0.0, -40.0]], "target_mm": [[0.0, -30.0, 5.0]], "step": 1}]
+    one, other = (
+        design(stars={"thickness_mm": t}, pins=pins, mesh={"edge_mm": 4.0}, border={"rings": 2}) for t in (0.3, 0.303)
+    )
     preview, fresh = Preview(one, plain_law()), Preview(other, plain_law())
+    assert preview.equilibrium.guess == "pins take hold" and preview.equilibrium.is_minimum
+    assert preview.at([0.0, -40.0]).smooth[0] == pytest.approx([0.0, -30.0, 5.0], abs=1e-9)
     before = preview.shape().summary
-    assert len(asked) == step
     list(preview.edit(other))
-    assert len(asked) == step
     after, new = preview.shape().summary, fresh.shape().summary
     assert after["energy_n_mm"] == pytest.approx(new["energy_n_mm"], rel=1e-6)  # one form
     assert after["soft_modes_n_mm3"] == pytest.approx(new["soft_modes_n_mm3"], rel=1e-4)
     assert after["soft_modes_n_mm3"] != pytest.approx(before["soft_modes_n_mm3"], rel=1e-4)
     assert after["warnings"] == new["warnings"]
-    count = len(asked)
-    assert preview.shape().summary["soft_modes_n_mm3"] == after["soft_modes_n_mm3"] and len(asked) == count
 
 
 @pytest.mark.slow
@@ -153,6 +135,8 @@ def test_the_linear_response_is_right_to_first_order() -> None:
 def test_an_edit_of_the_outline_starts_anew_and_a_refused_one_changes_nothing() -> None:
     preview = Preview(CURLY, plain_law())
     before = preview.equilibrium.x.copy()
+    with pytest.raises(TypeError, match="a Design is needed"):
+        preview.edit("tube.toml")  # type: ignore[arg-type]
     with pytest.raises(LawError, match=r"fabric\.thickness_mm"):
         list(preview.edit(design(fabric={"thickness_mm": 0.5})))
     assert preview.design is CURLY and (preview.equilibrium.x == before).all()
@@ -196,23 +180,10 @@ def test_a_sheet_without_another_side_stays_and_says_so() -> None:
 
 
 @pytest.mark.slow
-def test_a_sheet_that_goes_up_by_itself_is_flipped_down() -> None:
-    """Its natural curvature is the other one; whatever side `auto` has found, a flip leaves it."""
-    law = plain_law()
-    dome, table = gallery.load("dome"), law.tables[0]
-    nodes = table.node_values.copy()
-    nodes[..., QUANTITY_NAMES.index("kappa")] *= -1.0
-    preview = Preview(dome, replace(law, tables=(with_values(table, nodes), *law.tables[1:])))
-    before = preview.at([0.0, 0.0]).smooth[0, 2]
-    assert preview.flip() == "down"
-    assert preview.at([0.0, 0.0]).smooth[0, 2] * before < -1.0
-
-
-@pytest.mark.slow
 def test_where_pins_leave_the_height_open_the_lowest_stands_at_zero() -> None:
     """Of new previews, edits and the exact model alike; their shapes can be laid on each other as they are."""
-    corners = [{"where": "corners", "scale": 0.74, "slide": "z"}]
-    one, other = (design(stars={"length_mm": size}, pins=corners, mesh={"edge_mm": 4.0}) for size in (8.0, 8.4))
+    sections = {"pins": [{"where": "corners", "scale": 0.74, "slide": "z"}], "border": {"rings": 2}}
+    one, other = (design(stars={"length_mm": size}, mesh={"edge_mm": 4.0}, **sections) for size in (8.0, 8.4))
     preview = Preview(one)
     for stage in preview.edit(other):
         held = preview.at(preview.sheet.layout.outline, stage.x).smooth[:, 2]
@@ -220,15 +191,6 @@ def test_where_pins_leave_the_height_open_the_lowest_stands_at_zero() -> None:
     fresh, exact = Preview(other).shape(), exact_shape(other)
     assert preview.shape().positions == pytest.approx(fresh.positions, abs=1e-3 * np.ptp(fresh.positions))
     assert exact.at(preview.sheet.layout.outline)[:, 2].min() == pytest.approx(0.0, abs=1e-9)
-
-
-def test_a_held_border_is_where_it_is_held() -> None:
-    preview = Preview(gallery.load("dome"), plain_law())
-    border = preview.sheet.layout.outline
-    share = np.linspace(0, 1, 7)[:, None, None]
-    rim = (border + share * (np.roll(border, -1, axis=0) - border)).reshape(-1, 2)
-    places = preview.at(rim).smooth
-    assert places == pytest.approx(np.column_stack([0.74 * rim, np.zeros(len(rim))]), abs=1e-9)
 
 
 @pytest.mark.slow
@@ -245,27 +207,17 @@ def test_bumps_leave_what_is_held_in_its_place(pin: dict[str, Any]) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("slide", "held"), [(None, [0, 1, 2]), ("z", [0, 1]), ("plane", [2])])
-def test_pins_hold_what_they_say(slide: str | None, held: list[int]) -> None:
+@pytest.mark.parametrize(("slide", "held"), [("z", [0, 1]), ("plane", [2])])
+def test_pins_hold_what_they_say(slide: str, held: list[int]) -> None:
     points = [[-50.0, 0.0], [50.0, 0.0], [0.0, 60.0]]
-    pin = {"points_mm": points, "scale": 0.8} | ({"slide": slide} if slide else {})
-    preview = Preview(design(pins=[pin]), plain_law())
+    preview = Preview(design(pins=[{"points_mm": points, "scale": 0.8, "slide": slide}]), plain_law())
     assert preview.equilibrium.is_minimum
     target = np.column_stack([0.8 * np.array(points), np.zeros(3)])
     assert preview.at(np.array(points)).smooth[:, held] == pytest.approx(target[:, held], abs=1e-9)
 
 
 @pytest.mark.slow
-def test_targets_and_later_steps() -> None:
-    points, target = [[0.0, -60.0], [0.0, 60.0]], [[0.0, -40.0, 0.0], [0.0, 40.0, 5.0]]
-    preview = Preview(design(pins=[{"points_mm": points, "target_mm": target, "step": 1}]), plain_law())
-    assert preview.equilibrium.guess == "pins take hold"
-    assert preview.equilibrium.is_minimum
-    assert preview.at(np.array(points)).smooth == pytest.approx(np.array(target), abs=1e-9)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("turn", [("z", 180.0), ("x", 90.0), ("y", 150.0)])
+@pytest.mark.parametrize("turn", [("x", 90.0), ("y", 150.0)])
 def test_pins_that_are_turned_in_space_turn_the_shape(turn: tuple[str, float]) -> None:
     """Stood upright or laid on its back: without weight the energy is the same."""
     corners = layout(design()).outline[::2]
@@ -343,43 +295,11 @@ def test_a_sheet_weighs_what_is_printed(border: dict[str, Any]) -> None:
     assert pulled == pytest.approx(-9.81 * (plastic + fabric), rel=2e-3)
 
 
-@pytest.mark.slow
-def test_an_interrupted_edit_is_not_gone_on_from(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Ctrl-C while later pins take hold: the next edit is as good as a new preview."""
-    late = [{"where": "corners", "scale": 0.8, "step": 1}]
-    preview = Preview(design(stars={"length_mm": 8.0}, pins=late), plain_law())
-
-    def stop(*args: object) -> None:
-        raise KeyboardInterrupt
-
-    def lost(shell: Any, x: Any, factor: Any, *rest: Any) -> Any:
-        return replace(preview.equilibrium, definite=False)
-
-    other = design(stars={"length_mm": 8.5}, pins=late)
-    with monkeypatch.context() as patch, pytest.raises(KeyboardInterrupt):
-        patch.setattr(solve_module, "apply_supports", stop)
-        patch.setattr(solve_module, "follow", lost)
-        list(preview.edit(other))
-    assert not preview.equilibrium.is_minimum and len(preview.shell.fixed_points)
-    list(preview.edit(other))
-    assert preview.equilibrium.energy == pytest.approx(Preview(other, plain_law()).equilibrium.energy, rel=1e-6)
-
-
 def test_an_edit_that_changes_nothing_leaves_an_equilibrium() -> None:
     preview = Preview(design(pins=[{"where": "border", "scale": 0.8}]), plain_law())
     assert next(preview.edit(preview.design)).name == "linear" and preview.equilibrium.is_minimum
     assert next(preview.edit(design(pins=preview.design.to_dict()["pins"], stars={"length_mm": 9.0}))).name == "linear"
     assert not preview.equilibrium.is_minimum
-
-
-def test_weight_pulls_a_roof_down() -> None:
-    held = gallery.load("dome").to_dict()
-    held["fabric"]["modulus_mpa"] = 0.005
-    heights = []
-    for on in (False, True):
-        held["gravity"] = {"on": on}
-        heights.append(Preview(Design.from_dict(held), plain_law()).at(np.zeros((1, 2))).smooth[0, 2])
-    assert heights[1] < heights[0]
 
 
 def test_an_edit_changes_the_weight() -> None:
@@ -397,21 +317,15 @@ def test_an_edit_changes_the_weight() -> None:
 
 
 def test_warnings_name_stars_by_the_numbers_of_the_design() -> None:
-    odd = [{"star": 0, "remove": True}, {"star": 5, "thickness_mm": 0.9}]
+    """And many stars are one warning."""
+    odd = [{"star": 0, "remove": True}, *({"star": star, "thickness_mm": 0.9} for star in range(5, 9))]
     shape = Preview(design(stars={"override": odd}), plain_law()).shape()
-    assert shape.summary["stars_outside_law"][0].startswith("star 5 at [")
-    assert shape.summary["stars_outside_law"][0] in shape.summary["warnings"] and not shape.summary["law_in_range"]
+    assert len(shape.summary["stars_outside_law"]) == 4 and not shape.summary["law_in_range"]
+    (line,) = [line for line in shape.summary["warnings"] if "outside the law" in line]
+    assert line.startswith("4 of ") and "such as star 5 at [" in line
     assert shape.star.max() == len(shape.star_vertices) and 0 not in shape.star[shape.star_vertices]
     down = Preview(design(stars={"override": [odd[0], {"star": 3, "branch": "down"}]}), plain_law()).shape()
     assert any("inverted" in line and line.endswith(": star 3") for line in down.summary["warnings"])
-
-
-def test_many_stars_beyond_the_law_are_one_warning() -> None:
-    odd = [{"star": star, "thickness_mm": 0.9} for star in range(4)]
-    summary = Preview(design(stars={"override": odd}), plain_law()).shape().summary
-    assert len(summary["stars_outside_law"]) == 4
-    (line,) = [line for line in summary["warnings"] if "outside the law" in line]
-    assert line.startswith("4 of ") and "such as star 0 at [" in line
 
 
 def test_neighbours_that_no_sheet_can_join_are_refused_with_star_and_value() -> None:
@@ -435,12 +349,6 @@ def test_neighbours_that_no_sheet_can_join_are_refused_with_star_and_value() -> 
     assert [stage.name for stage in preview.edit(same)] == ["linear", "equilibrium"]
 
 
-def test_pins_that_contradict_each_other_are_refused() -> None:
-    pins = [{"edges": [0]}, {"edges": [1], "scale": 0.5}]
-    with pytest.raises(DesignError, match="pins"):
-        Preview(design(pins=pins), plain_law())
-
-
 def test_weight_that_nothing_carries_is_refused() -> None:
     falls = {"fabric": {"modulus_mpa": 7.0}, "gravity": {"on": True}, "pins": []}
     with pytest.raises(DesignError, match=r"gravity.on = True: needs \[\[pins\]\]"):
@@ -452,13 +360,12 @@ def test_weight_that_nothing_carries_is_refused() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("name", "percent"), [("bell", 2.5), ("dome", 2.5), ("fig9-linear", 2.0)])
-def test_the_exact_model_agrees(name: str, percent: float) -> None:
+def test_the_exact_model_agrees() -> None:
     """Signs, sides, axes and sizes at once: only turns and the design's own symmetries are taken out."""
-    plan = gallery.load(name)
-    shown, exact = asterism.preview(plan), asterism.simulate(plan)
-    found = compare_shapes(exact, shown, layout(plan), symmetries(plan, layout(plan)))
-    assert found.rms_percent < percent
+    bell = edited("bell", mesh={"edge_mm": 2.5})
+    shown, exact = asterism.preview(bell), exact_shape(bell)
+    found = compare_shapes(exact, shown, layout(bell), symmetries(bell, layout(bell)))
+    assert exact.summary["is_minimum"] and found.rms_percent < 2.5
 
 
 def test_bumps_flatten_where_the_sheet_is_held_apart():
@@ -512,19 +419,18 @@ def test_flat_triangles_do_not_hide_what_holds_the_sheet() -> None:
 def test_only_ratios_of_stiffness_count() -> None:
     """Without weight the unit of force is free, at the bare rim too."""
     heights, energies = [], []
-    for modulus in (1e-3, 7.1875, 1e4):
+    for modulus in (1e-3, 1e4):
         preview = Preview(design(fabric={"modulus_mpa": modulus}, mesh={"edge_mm": 4.0}))
         heights.append(preview.shape().height_mm)
         energies.append(preview.equilibrium.energy / modulus)
-    np.testing.assert_allclose(heights, heights[1], rtol=1e-6)
-    np.testing.assert_allclose(energies, energies[1], rtol=1e-9)
+    assert heights[1] == pytest.approx(heights[0], rel=1e-6) and energies[1] == pytest.approx(energies[0], rel=1e-9)
 
 
 @pytest.mark.slow
 def test_where_pins_stand_does_not_matter_to_a_heavy_sheet() -> None:
     """The work of weight is counted from the pins: what is compared, and the error to be expected, are the same."""
     found = []
-    for level in (0.0, 2000.0, -2000.0):
+    for level in (0.0, -2000.0):
         pins = [{"corners": [0, 2, 4], "scale": 0.7, "offset_mm": [0.0, 0.0, level]}]
         heavy = design(gravity={"on": True}, fabric={"modulus_mpa": 1.0}, pins=pins, mesh={"edge_mm": 4.0})
         found.append(Preview(heavy).shape().summary)
@@ -533,16 +439,12 @@ def test_where_pins_stand_does_not_matter_to_a_heavy_sheet() -> None:
     assert len({tuple(start["name"] for start in s["starts"]) for s in found}) == 1
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("points", [[], 3.0, [[0.0, 0.0, 0.0]], [[np.nan, 0.0]]])
-def test_places_that_are_none_are_refused(points: object) -> None:
-    with pytest.raises(ValueError, match="points must be finite pairs of mm"):
-        Preview(CURLY, plain_law()).at(points)  # type: ignore[arg-type]
-
-
-def test_a_state_of_another_sheet_is_refused() -> None:
+@pytest.mark.parametrize("points", [[], 3.0, [[0.0, 0.0, 0.0]], [[np.nan, 0.0]], [[900.0, 0.0]]])
+def test_places_that_are_none_are_refused(points: Any, curly: Preview) -> None:
+    with pytest.raises(ValueError, match=r"points must be finite pairs of mm|outside the sheet"):
+        curly.at(points)
     with pytest.raises(ValueError, match="x must be a stage's, shape"):
-        Preview(CURLY, plain_law()).at([0.0, 0.0], np.zeros((3, 3)))
+        curly.at([0.0, 0.0], np.zeros((3, 3)))
 
 
 @pytest.mark.slow
@@ -554,19 +456,8 @@ def test_a_roll_that_passes_through_itself_says_so() -> None:
     assert f"({through['self_intersections']} pairs of triangles)" in line and "--contact" in line
 
 
-def test_stars_turned_by_half_a_turn_make_the_sheet_turned_by_it() -> None:
-    plan = Design.from_dict({"stars": {"length_mm": 8.0, "thickness_mm": 0.3}, "border": {"rings": 1}})
-    turned = Design.from_dict({**plan.to_dict(), "lattice": {"orientation_deg": 60.0}})
-    printed = np.array([[0.0, 0.0], [6.0, 2.0], [-13.0, 9.0], [4.0, -15.0], [20.0, 5.0]])
-    one, other = asterism.preview(plan).at(printed), asterism.preview(turned).at(-printed)
-    distances = [np.linalg.norm(places[:, None] - places, axis=2) for places in (one, other)]
-    np.testing.assert_allclose(*distances, atol=0.02)
-
-
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "pins", [{"points_mm": [[0.0, 0.0]]}, {"corners": [0]}, {"corners": [0, 2, 4], "slide": "plane"}]
-)
+@pytest.mark.parametrize("pins", [{"corners": [0]}, {"corners": [0, 2, 4], "slide": "plane"}])
 def test_pins_that_a_free_sheet_meets_anyway_cost_nothing(pins: dict[str, object]) -> None:
     """One held point, or three that slide in their plane: there is always a rigid motion to them."""
     data = {"stars": {"length_mm": 4.0, "thickness_mm": 0.6}, "border": {"rings": 3}}
@@ -591,18 +482,6 @@ def test_a_sixfold_term_that_outweighs_the_bending_is_bounded_and_told() -> None
     assert summary["energy_n_mm"] > 0.0
 
 
-def test_an_update_is_an_edit_to_its_end() -> None:
-    preview = Preview(design(), plain_law())
-    thicker = design(stars={"thickness_mm": 0.45})
-    with pytest.raises(TypeError, match="a Design is needed"):
-        preview.edit("tube.toml")  # type: ignore[arg-type]
-    preview.edit(thicker)  # nothing yet
-    assert preview.design == design()
-    shape = preview.update(thicker)
-    assert preview.design == thicker and shape.summary["is_minimum"]
-    assert shape.height_mm == pytest.approx(preview.shape().height_mm)
-
-
 @pytest.mark.slow
 def test_pins_that_leave_no_length_for_a_rise_are_told() -> None:
     """Who forgets the scale gets a flat sheet, and a scale with which it rises."""
@@ -618,10 +497,9 @@ def test_pins_that_leave_no_length_for_a_rise_are_told() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("corners", [[0], [0, 1]])
-def test_tubes_hang_by_their_corners(corners: list[int]) -> None:
-    """From flat and level to upright is far: they are swung there as they are bent."""
-    hung = design(stars={"thickness_mm": 0.45}, pins=[{"corners": corners}], gravity={"on": True})
+def test_a_tube_hangs_by_its_corner() -> None:
+    """From flat and level to upright is far: it is swung there as it is bent."""
+    hung = design(stars={"thickness_mm": 0.45}, pins=[{"corners": [0]}], gravity={"on": True})
     found = Preview(hung).equilibrium
     assert found.is_minimum and found.iterations < 60
 

@@ -111,7 +111,7 @@ LENGTHS = st.dictionaries(st.integers(0, len(PLAN.sheet_sites) - 1), st.floats(0
 
 
 @pytest.mark.slow
-@settings(max_examples=10)
+@settings(max_examples=4)
 @given(st.lists(LENGTHS, min_size=1, max_size=3))
 def test_shares_that_follow_edits_are_those_computed_anew(edits: list[dict[int, float]]) -> None:
     """Also if stars or arms disappear and come back, and if the longest arm changes."""

@@ -23,6 +23,8 @@ from asterism.previews.warnings import (
 )
 from asterism.results.words import PlacedWarning
 from asterism.shape.shape import Shape
+from tests.asterism.previews.designs import edited
+from tests.asterism.previews.laws import plain_law
 
 
 def printed(design: Design, scale: float = 1.0, spike_mm: float = 0.0) -> Shape:
@@ -45,14 +47,11 @@ def small(**sections: Any) -> Design:
 
 def test_a_spike_and_a_sheet_beyond_its_print_are_too_long() -> None:
     design, plan = small(), layout(small())
+    assert mean_square_stretch(printed(design, 0.8), plan) == pytest.approx(0.64)
     assert overstretched_stars(printed(design, 0.99), design, plan).tolist() == []
     assert overstretched_stars(printed(design, 1.01), design, plan).tolist() == plan.star_number.tolist()
     (star,) = overstretched_stars(printed(design, 0.85, spike_mm=15.0), design, plan).tolist()
     assert star == plan.star_number[np.argmax(plan.centres[:, 0])]
-
-
-def test_the_mean_square_is_exact_for_a_uniform_stretch() -> None:
-    assert mean_square_stretch(printed(small(), 0.8), layout(small())) == pytest.approx(0.64)
 
 
 def test_supports_that_pull_allow_as_much_and_weight_is_not_judged() -> None:
@@ -69,7 +68,7 @@ def test_supports_that_pull_allow_as_much_and_weight_is_not_judged() -> None:
     assert not len(overstretched_stars(shape, heavy, layout(heavy)))
 
 
-@pytest.mark.parametrize(("stretch", "poisson"), [(1.35, 0.3), (1.7, 0.45), (2.2, 0.3), (2.2, 0.49)])
+@pytest.mark.parametrize(("stretch", "poisson"), [(1.35, 0.3), (2.2, 0.49)])
 def test_no_state_of_the_fabric_beyond_the_limit_has_less_energy_than_the_print(stretch: float, poisson: float) -> None:
     """Over all principal stretches of two halves of a cell."""
     mu, lam = 1.0, 2.0 * poisson / (1.0 - poisson)
@@ -93,14 +92,11 @@ def test_a_preview_that_is_too_long_is_no_minimum(monkeypatch: pytest.MonkeyPatc
     monkeypatch.setattr("asterism.previews.shown_shape.overstretched_stars", lambda *_: np.array([0]))
     long = preview.shape().summary
     assert not long["is_minimum"] and long["converged"] and long["stars_overstretched"] == [0]
-    assert long["warnings"][-1] == (
-        "not a shape of this sheet: around 1 of 1 stars it is longer than the fabric can stretch; use the exact model: "
-        "star 0"
-    )
+    assert long["warnings"][-1].startswith("not a shape of this sheet: around 1 of 1 stars it is longer than")
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["dome", "tube", "u-shape", "fig8-h-decreasing", "fig9-parabola"])
+@pytest.mark.parametrize("name", ["dome", "fig8-h-decreasing"])
 def test_previews_of_the_gallery_are_far_below_the_limit(name: str) -> None:
     preview = Preview(gallery.load(name))
     square = mean_square_stretch(preview.shape(), preview.state.layout)
@@ -108,9 +104,8 @@ def test_previews_of_the_gallery_are_far_below_the_limit(name: str) -> None:
     assert np.prod(fabric.stretch_xy) ** -1.0 < square.min() < square.max() < 0.8 * mean_square_limit(fabric)
 
 
-def dome_with(override: list[dict[str, Any]]) -> asterism.Design:
-    data = asterism.new("dome").to_dict() | {"mesh": {"edge_mm": 4.0}}
-    return asterism.Design.from_dict(data | {"stars": data["stars"] | {"override": override}})
+def dome_with(override: list[dict[str, Any]]) -> Design:
+    return edited("dome", mesh={"edge_mm": 4.0}, stars={"override": override})
 
 
 def test_stars_outside_the_law_are_marked() -> None:
@@ -133,6 +128,6 @@ def test_sites_off_the_sheet_are_named() -> None:
 @pytest.mark.slow
 def test_arms_that_are_bonded_where_they_meet_are_named() -> None:
     meeting = asterism.Design.from_dict({"stars": {"length_fraction": 1.0}, "border": {"rings": 1}})
-    (warning,) = [line for line in asterism.preview(meeting).summary["warnings"] if "print as one" in line]
+    (warning,) = [line for line in asterism.preview(meeting, plain_law()).summary["warnings"] if "print as one" in line]
     assert isinstance(warning, PlacedWarning) and set(warning.stars) == set(range(7))
     assert not any("print as one" in line for line in asterism.preview(dome_with([])).summary["warnings"])

@@ -47,37 +47,15 @@ def fitted() -> Fit:
     away = target_distance(shape, residual, plan.lattice_vectors)
     record = away.record
     reach = {name: value for name, value in vars(guess.reach).items() if name != "warnings"}
-    summary = FitRecord(
-        **{
-            "model": "fit",
-            "interrupted": False,
-            "target": NAME,
-            "diameter_mm": target.diameter_mm,
-            "motion": target.motion.tolist(),
-            "shift_mm": target.shift_mm.tolist(),
-            "stretch": guess.menu.stretch,
-            "stars": len(plan.centres),
-            "needles": len(plan.pin_points),
-            "held_border": False,
-            **reach,
-            "share_at_bounds": 0.0,
-            "first_guess": record,
-            "unrounded": None,
-            "preview": record,
-            "exact": None,
-            "other_exact": None,
-            "exact_agrees": None,
-            "reached": True,
-            "within_percent": 1.0,
-            "rounding_loss_percent": None,
-            "steps": [],
-            "corrections": [],
-            "restarts": 0,
-            "warnings": ["a <line> that limits"],
-            "version": "0",
-            "design": guess.design.to_dict(),
-        }
-    )
+    unset = dict.fromkeys(("unrounded", "exact", "other_exact", "exact_agrees", "rounding_loss_percent"))
+    numbers = {"diameter_mm": target.diameter_mm, "stretch": guess.menu.stretch, "within_percent": 1.0}
+    counts = {"stars": len(plan.centres), "needles": len(plan.pin_points), "restarts": 0, "share_at_bounds": 0.0}
+    pose = {"motion": target.motion.tolist(), "shift_mm": target.shift_mm.tolist()}
+    flags = {"interrupted": False, "held_border": False, "reached": True}
+    words = {"model": "fit", "target": NAME, "warnings": ["a <line> that limits"], "version": "0"}
+    lists = {"steps": [], "corrections": [], "design": guess.design.to_dict()}
+    known = {"first_guess": record, "preview": record, **reach}
+    summary = FitRecord(**unset, **numbers, **counts, **pose, **flags, **words, **lists, **known)
     return Fit(guess.design, target, guess, shape, None, away, summary)
 
 

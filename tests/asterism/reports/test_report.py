@@ -92,7 +92,11 @@ def test_parameters_picture_layout_needles_and_material(design: Path, cli: Cli) 
 @pytest.mark.slow
 @pytest.mark.usefixtures("blank_pictures")
 def test_results_of_the_design_are_used_and_others_refused(design: Path, tmp_path: Path, cli: Cli) -> None:
+    """Also of sheets larger than the printer, with as many doubts as there is room for."""
+    wide = DESIGN.replace("[104.0, 70.0]", "[240.0, 40.0]")
+    design.write_text(wide)
     plan = load_design(design)
+    warnings = ["it passes through itself (12 pairs of triangles)", "1 of 19 stars of the exact shape are not up"]
     shape = preview(plan, load_law(None))
     summary = {
         "design": plan.to_dict(),
@@ -100,24 +104,25 @@ def test_results_of_the_design_are_used_and_others_refused(design: Path, tmp_pat
         "extent_mm": [90.0, 60.0, 12.3],
         "is_minimum": False,
         "mesh_error_percent": 1.7,
-        "warnings": ["it passes through itself (12 pairs of triangles)", "1 of 19 stars of the exact shape are not up"],
+        "warnings": [*warnings, *(f"warning {k}: " + "word " * 30 for k in range(5))],
     }
     write_results(replace(shape, summary=summary), tmp_path / "d")
     done = cli(["report", str(design), "-o", str(tmp_path / "r.pdf")])
     assert "by the exact model" in done.out
     text, _ = page(tmp_path / "r.pdf")
     assert "height 12.34 mm" in text and "Not an equilibrium" in text and "mesh error about 1.7 %" in text
-    assert "estimated error" not in text
+    assert "estimated error" not in text and "LARGER than the Ultimaker 2+ can print" in text
     # what the commands warn of is on the page too
     assert "passes through itself (12 pairs of triangles)" in text
     assert "1 of 19 stars of the exact shape are not" in text
+    assert "and more: see the summary" in text and "warning 4" not in text
 
     # they may be from another start, or mesh
-    design.write_text(DESIGN + "[solver]\nseed = 3\n")
+    design.write_text(wide + "[solver]\nseed = 3\n")
     done = cli(["report", str(design), "-o", str(tmp_path / "r.pdf")])
     assert "by the exact model" in done.out
 
-    design.write_text(DESIGN.replace("8.0", "7.0"))
+    design.write_text(wide.replace("8.0", "7.0"))
     refused = cli(["report", str(design), "--results", str(tmp_path / "d")])
     assert refused.status == 2 and "--results" in refused.line and "of this design" in refused.line
 
@@ -161,21 +166,15 @@ def test_what_decides_the_shape_is_on_the_page(design: Path, tmp_path: Path, cli
 
 
 @pytest.mark.slow
-def test_needles_along_which_the_sheet_slides_stand_at_a_place_without_a_height(design: Path, cli: Cli) -> None:
-    """Without fabric bending there is no preview, and so no shape that says it."""
+def test_without_a_law_there_is_no_picture(design: Path, cli: Cli) -> None:
     sliding = DESIGN.replace("scale = 0.7", 'scale = 0.7\nslide = "z"')
     design.write_text(sliding + '[fabric]\nbending = "none"\n')
-    assert cli(["report", str(design)]).status == 0
-    assert "1: printed (-52.0, -35.0), stands at (-36.4, -24.5, slides)" in page(design.with_name("d-report.pdf"))[0]
-
-
-@pytest.mark.slow
-def test_without_a_law_there_is_no_picture(design: Path, cli: Cli) -> None:
-    design.write_text(DESIGN + '[fabric]\nbending = "none"\n')
     done = cli(["report", str(design)])
     assert done.status == 0 and "no picture" in done.line and "fabric.bending" in done.line
     text, image = page(design.with_name("d-report.pdf"))
     assert "not known: this design has no preview" in text
+    # needles along which the sheet slides have no height
+    assert "1: printed (-52.0, -35.0), stands at (-36.4, -24.5, slides)" in text
     assert image[300:1200, 150:1950].min() == 255
     # a law is for fabric that bends
     refused = cli(["report", str(design), "--law", str(PAPER_LAW)])
@@ -198,22 +197,6 @@ def test_mistakes(words: list[str], problem: str, design: Path, cli: Cli) -> Non
     done = cli(["report", str(design), *words])
     assert done.status == 2 and problem in done.line
     assert [file.name for file in design.parent.iterdir()] == ["d.toml"]
-
-
-@pytest.mark.slow
-@pytest.mark.usefixtures("blank_pictures")
-def test_sheets_larger_than_the_printer_have_a_page(design: Path, tmp_path: Path, cli: Cli) -> None:
-    """And doubts of a preview are on it, as many as there is room for."""
-    design.write_text(DESIGN.replace("[104.0, 70.0]", "[400.0, 70.0]"))
-    warnings = [f"warning {k}: " + "word " * 30 for k in range(5)]
-    plan = load_design(design)
-    shape = preview(plan, load_law(None))
-    write_results(replace(shape, summary=dict(shape.summary) | {"warnings": warnings}), tmp_path / "d")
-    done = cli(["report", str(design), "-o", str(tmp_path / "r.pdf")])
-    assert done.status == 0, done.err
-    text, _ = page(tmp_path / "r.pdf")
-    assert "LARGER than the Ultimaker 2+ can print" in text
-    assert "warning 0" in text and "and more: see the summary" in text and "warning 4" not in text
 
 
 @pytest.mark.slow

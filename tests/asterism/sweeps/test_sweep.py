@@ -34,14 +34,14 @@ def small() -> Design:
 @pytest.fixture(autouse=True)
 def one_process(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
     if "slow" not in request.keywords:
-        monkeypatch.setattr("asterism.homogenize.campaign.workers.local_workers", same_process.workers)
+        same_process.use(monkeypatch)
 
 
 @pytest.fixture(scope="module")
 def once(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, Sweep]:
     folder = tmp_path_factory.mktemp("sweep") / "designs"
     with pytest.MonkeyPatch.context() as monkeypatch:
-        monkeypatch.setattr("asterism.homogenize.campaign.workers.local_workers", same_process.workers)
+        same_process.use(monkeypatch)
         return folder, sweep_design(small(), VARY, folder=folder)
 
 
@@ -129,15 +129,14 @@ def test_the_files_hold_the_same_table(once: tuple[Path, Sweep], tmp_path: Path)
     assert summary["design"] == small().to_dict() and summary["sampling"] == "grid"
 
 
-def test_the_page_needs_no_other_file_and_escapes_texts(tmp_path: Path) -> None:
+def test_the_page_needs_no_other_file_and_texts_are_escaped(tmp_path: Path) -> None:
+    """A text of the table is no formula of a spreadsheet."""
     named = Design.from_dict({**small().to_dict(), "name": "</script><b>bold"})
-    write_sweep(sweep_design(named, {"stars.length_mm": [30.0]}), tmp_path)
+    swept = sweep_design(named, {"fabric.bending": ["paper"], "stars.length_mm": [30.0]})
+    write_sweep(swept, tmp_path)
     page = (tmp_path / "sweep.html").read_text()
     assert page.count("</script>") == 2 and "&lt;/script&gt;" in page
     assert "src=" not in page.replace("src: `data:image", "") and "<link" not in page
-
-
-def test_a_text_of_the_table_is_no_formula_of_a_spreadsheet() -> None:
     swept = sweep_design(small(), {"name": ["=1+1"], "stars.length_mm": [30.0]})
     assert next(csv.DictReader(sweep_csv(swept).splitlines()))["name"] == "'=1+1"
 
@@ -146,13 +145,8 @@ def test_a_sweep_by_the_exact_model_has_its_quantities() -> None:
     coarse = Design.from_dict({**small().to_dict(), "mesh": {"edge_mm": 6.0}})
     result = sweep_design(coarse, {"stars.thickness_mm": [0.3]}, exact=True)
     values = result.points[0].results
-    assert (
-        values is not None
-        and values["stars_up"] == 7
-        and values["minima"] == 1
-        and "expected_rms_percent" not in values
-    )
-    assert result.summary.by == "exact"
+    assert values is not None and values["stars_up"] == 7 and values["minima"] == 1
+    assert "expected_rms_percent" not in values and result.summary.by == "exact"
 
 
 def test_what_is_no_column_is_refused(once: tuple[Path, Sweep]) -> None:
@@ -179,14 +173,15 @@ def test_the_command_writes_the_files(tmp_path: Path, cli: Cli) -> None:
     assert sorted(file.name for file in folder.iterdir()) == ["designs", "summary.json", "sweep.csv", "sweep.html"]
     strict = cli([*words, "--strict", "--quiet"])
     assert strict.status == 1 and "2 of 4 designs have no shape" in strict.out and strict.err == ""
+    none = cli([*words[:2], "--vary", "stars.length_mm=30", "-q"])
+    assert none.status == 1
+    assert none.line == "asterism: no design has a shape; the column problem of sweep.csv has the reasons"
 
 
 @pytest.mark.parametrize(
     ("words", "line"),
     [
         (["stars.thicknes_mm=0.3"], "stars.thicknes_mm = 0.3: unknown key, did you mean thickness_mm?"),
-        (["fabric.thickness_mm=a,b"], "fabric.thickness_mm = 'a': must be a number"),
-        (["stars.thickness_mm=0.3:0.3:4"], "stars.thickness_mm=0.3:0.3:4: an empty range"),
         (
             ["stars.thickness_mm=0.3", "--jobs", "2", "--dask", "tcp://x:1"],
             "--jobs: applies to processes of this machine, not to --dask",
@@ -200,12 +195,6 @@ def test_wrong_words_end_the_command_at_once(words: list[str], line: str, tmp_pa
     assert [file.name for file in tmp_path.iterdir()] == ["seven.toml"]
 
 
-def test_a_sweep_without_a_shape_ends_with_1_and_a_reason(tmp_path: Path, cli: Cli) -> None:
-    ended = cli(["sweep", str(written(tmp_path)), "--vary", "stars.length_mm=30", "-q"])
-    assert ended.status == 1
-    assert ended.line == "asterism: no design has a shape; the column problem of sweep.csv has the reasons"
-
-
 def test_a_folder_in_the_way_is_named_before_anything_is_computed(tmp_path: Path, cli: Cli) -> None:
     page = tmp_path / "seven-sweep" / "sweep.html"
     page.mkdir(parents=True)
@@ -214,52 +203,26 @@ def test_a_folder_in_the_way_is_named_before_anything_is_computed(tmp_path: Path
     assert [file.name for file in page.parent.iterdir()] == ["sweep.html"]
 
 
-def test_numbers_of_options_are_refused_in_plain_words(tmp_path: Path, cli: Cli) -> None:
-    words = ["sweep", str(written(tmp_path)), "--vary", "stars.length_mm=7,8"]
-    for option, problem in {
-        "--jobs=0": "'--jobs': must be at least 1",
-        "--jobs=1001": "'--jobs': must be at most 1000",
-    }.items():
-        ended = cli([*words, option])
-        assert ended.status == 2 and ended.line == f"asterism: Invalid value for {problem}"
-
-
 def test_many_designs_need_consent(tmp_path: Path, cli: Cli) -> None:
-    words = [
-        "sweep",
-        str(written(tmp_path)),
-        "--vary",
-        "stars.thickness_mm=0.2:0.6:100",
-        "--vary",
-        "stars.length_mm=6:9:90",
-    ]
-    ended = cli([*words, "--jobs", "2"])
+    vary = ["--vary", "stars.thickness_mm=0.2:0.6:100", "--vary", "stars.length_mm=6:9:90"]
+    ended = cli(["sweep", str(written(tmp_path)), *vary, "--jobs", "2"])
     assert ended.status == 2 and "takes about 9000 previews" in ended.line
     assert ended.line.endswith("use --yes to compute it, or fewer designs")
     assert [file.name for file in tmp_path.iterdir()] == ["seven.toml"]
 
 
-WORDS = [
-    sys.executable,
-    "-m",
-    "asterism",
-    "sweep",
-    "seven.toml",
-    "--vary",
-    "stars.thickness_mm=0.2:0.6:12",
-    "--jobs",
-    "2",
-]
+VARIED = "stars.thickness_mm=0.2:0.6:12"
+WORDS = [sys.executable, "-m", "asterism", "sweep", "seven.toml", "--vary", VARIED, "--jobs", "2"]
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGKILL])
-def test_a_stopped_sweep_goes_on_where_it_stopped(number: int, tmp_path: Path) -> None:
-    written(tmp_path)
-    root = str(Path(__file__).parents[3])
-    environment = {**os.environ, "PYTHONPATH": root}
-    first = subprocess.Popen(WORDS, cwd=tmp_path, env=environment, stderr=subprocess.PIPE, text=True)
-    kept = tmp_path / "seven-sweep" / "designs"
+def test_a_stopped_sweep_goes_on_where_it_stopped(
+    number: int, here: Path, cli: Cli, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    written(here)
+    first = subprocess.Popen(WORDS, stderr=subprocess.PIPE, text=True)
+    kept = here / "seven-sweep" / "designs"
     while len(list(kept.glob("*.json")) if kept.exists() else []) < 3:
         time.sleep(0.01)
         assert first.poll() is None
@@ -269,21 +232,21 @@ def test_a_stopped_sweep_goes_on_where_it_stopped(number: int, tmp_path: Path) -
     assert 3 <= len(finished) < 12
     if number == signal.SIGINT:
         assert first.returncode == 130 and "the same command continues from there" in errors
-    subprocess.run(WORDS, cwd=tmp_path, env=environment, check=True, capture_output=True)
+    same_process.use(monkeypatch)
+    assert cli(WORDS[3:]).status == 0
     assert all(file.stat().st_mtime_ns == made for file, made in finished.items())
-    with (tmp_path / "seven-sweep" / "sweep.csv").open(newline="") as stream:
+    with (here / "seven-sweep" / "sweep.csv").open(newline="") as stream:
         heights = [float(row["height_mm"]) for row in csv.DictReader(stream)]
-    design = small().to_dict()
-    stars = ({"length_mm": 8.0, "thickness_mm": float(thickness)} for thickness in np.linspace(0.2, 0.6, 12))
-    alone = [asterism.preview(Design.from_dict(design | {"stars": each})).height_mm for each in stars]
-    assert heights == pytest.approx(alone, rel=1e-5)
+    thickest = Design.from_dict(small().to_dict() | {"stars": {"length_mm": 8.0, "thickness_mm": 0.6}})
+    assert len(heights) == 12 and heights[-1] == pytest.approx(asterism.preview(thickest).height_mm, rel=1e-5)
 
 
 @pytest.mark.slow
-def test_dask_gives_the_same_table() -> None:
+def test_dask_gives_the_same_table(monkeypatch: pytest.MonkeyPatch) -> None:
     distributed = pytest.importorskip("distributed")
     vary = {"stars.thickness_mm": "0.2:0.6:3"}
-    own = sweep_design(small(), vary, jobs=2)
-    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster:
+    same_process.use(monkeypatch)
+    own = sweep_design(small(), vary)
+    with distributed.LocalCluster(n_workers=1, threads_per_worker=1, processes=True, dashboard_address=None) as cluster:
         there = sweep_design(small(), vary, dask=cluster.scheduler_address)
     assert sweep_csv(there) == sweep_csv(own) and own.failed == 0

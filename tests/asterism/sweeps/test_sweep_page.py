@@ -64,16 +64,13 @@ def numbers(page: Any) -> list[int]:
 
 
 @pytest.mark.slow
-def test_every_design_has_a_card_and_a_point(page: Any) -> None:
+def test_every_design_has_a_card_and_a_point_and_cards_are_sorted_and_filtered(page: Any) -> None:
     assert numbers(page) == list(range(1, 13))
-    assert page.locator("#count").inner_text() == "12 designs"
     assert page.locator("#plot circle").count() == 11 and page.locator("#plot polyline").count() == 2
     assert page.locator('.card[data-number="12"]').inner_text().startswith("no <law>")
     assert page.evaluate("document.documentElement.scrollWidth <= innerWidth")
-
-
-@pytest.mark.slow
-def test_cards_are_sorted_and_filtered(page: Any) -> None:
+    page.hover('#plot circle[data-number="4"]')
+    assert "is-near" in page.locator('.card[data-number="4"]').get_attribute("class")
     page.select_option("#sort", "v:height_mm")
     assert numbers(page) == [11, 10, 9, 8, 7, 6, 5, 4, 3, 2, 1, 12]
     page.click("#direction")
@@ -88,6 +85,8 @@ def test_cards_are_sorted_and_filtered(page: Any) -> None:
     assert page.locator("#empty").is_visible() and page.locator("#plot circle").count() == 0
     page.click("#reset")
     assert len(numbers(page)) == 12
+    page.select_option("#plot-y", "p:stars.thickness_mm")
+    assert page.locator("#plot circle").count() == 12
 
 
 def test_pictures_have_one_scale(page: Any) -> None:
@@ -112,13 +111,6 @@ def test_the_table_sorts_by_its_heads_and_rows_open(page: Any) -> None:
     assert "Design 5" in details and "curls tightly" in details and "stars.thickness_mm = 0.4" in details
     page.click("#close")
     assert not page.locator("#details").is_visible()
-
-
-def test_a_point_of_the_plot_marks_its_card(page: Any) -> None:
-    page.hover('#plot circle[data-number="4"]')
-    assert "is-near" in page.locator('.card[data-number="4"]').get_attribute("class")
-    page.select_option("#plot-y", "p:stars.thickness_mm")
-    assert page.locator("#plot circle").count() == 12
 
 
 @pytest.mark.slow

@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 
 from asterism.exact.simulation import exact_shape
-from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.shape.shape import Shape
 from asterism.verification.both_starts import lower_minimum, simulate
 from asterism.verification.run import verify
+from tests.asterism.previews.designs import edited
 
 SMALL = Design.from_dict(
     {"stars": {"length_mm": 8.0, "thickness_mm": 0.4}, "border": {"rings": 1}, "mesh": {"edge_mm": 6.0}}
@@ -107,8 +107,7 @@ def test_one_start_is_the_release_and_a_given_shape_is_the_only_start(released: 
 
 @pytest.mark.slow
 def test_starts_that_meet_on_a_coarse_mesh_share_the_finer_ones() -> None:
-    dome = gallery.load("dome")
-    found = verify(dome.model_copy(update={"mesh": dome.mesh.model_copy(update={"edge_mm": 1.35})}))
+    found = verify(edited("dome", border={"rings": 2}, mesh={"edge_mm": 1.2}))
     release, near = found.summary["starts"]["release"], found.summary["starts"]["preview"]
     assert found.summary["starts_agree"] and found.summary["starts_distance_percent"] < 1e-6
     assert (

@@ -8,8 +8,6 @@ from typing import Any
 import numpy as np
 import pytest
 import scipy.sparse as sp
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.cell.corrugation_waves import CorrugationWaves
@@ -58,7 +56,7 @@ def moments(stars: StarValues, curvature: tuple[float, float]) -> Floats:
     return np.asarray(fields.density((state - rest)[None, None])[1][0, 0])  # type: ignore[operator]
 
 
-@pytest.mark.parametrize(("along_x", "moment"), [(1.0, 0.0), (0.6, 0.0), (1.3, 0.0), (1.0, 0.01), (0.7, 0.005)])
+@pytest.mark.parametrize(("along_x", "moment"), [(1.0, 0.0), (0.6, 0.0), (1.3, 0.005)])
 def test_a_tube_about_either_axis_has_no_moment_around_it_at_its_own_curvature(along_x: float, moment: float) -> None:
     stars = values(along_x, moment)
     kappa = stars.value["kappa"][0]
@@ -112,35 +110,6 @@ def test_caps_of_soft_directions_stay_stable() -> None:
     fields = sheet_fields(places(weights, stars, (1, 1), model=replace(PREVIEW_MODEL, gaussian_area=1e6)))
     stiffness = np.asarray(fields.densities(np.zeros((1, 1, 2))).stiffness)[0, 0, 3:, 3:]
     assert np.linalg.eigvalsh(stiffness).min() > 0.0
-
-
-@settings(max_examples=30)
-@given(
-    softer=st.floats(-0.8, 0.8),
-    moment=st.floats(-0.02, 0.02),
-    shear=st.floats(-0.3, 0.3),
-    turn=st.floats(0.0, np.pi),
-)
-def test_the_tube_that_gains_most_is_found_in_whatever_direction_it_lies(
-    softer: float, moment: float, shear: float, turn: float
-) -> None:
-    """Nothing between the steps gains more, however the print is turned."""
-    c, s = np.cos(turn), np.sin(turn)
-    voigt = np.array([[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]])
-    own = np.zeros((2, ANISOTROPY_SIZE))
-    kappa = np.full(2, 0.02)
-    q = ISOTROPIC_PLATE + np.diag([softer, -softer, shear])
-    for number, bending in enumerate((q, voigt.T @ q @ voigt)):
-        own[number, BENDING_COLUMNS] = [(bending - ISOTROPIC_PLATE)[entry] for entry in VOIGT_ENTRIES]
-    tensor = moment * np.array([[1.0, 0.0], [0.0, -1.0]])
-    turned = np.array([[c, s], [-s, c]])
-    for number, both in enumerate((tensor, turned.T @ tensor @ turned)):
-        own[number, MOMENT_COLUMNS] = both[0, 0], both[1, 1], both[0, 1]
-    found = tube_of_largest_gain(kappa, own)
-    everywhere, gain = natural_curvatures(*tensors(kappa, own), np.linspace(0.0, np.pi, 7200))
-    for number in range(2):
-        as_good = everywhere[number][gain[number] > 0.9999 * gain[number].max()]  # two may gain alike
-        assert np.abs(as_good - found[number]).min() < 0.01 * abs(found[number])
 
 
 def test_the_better_of_two_near_peaks_is_found() -> None:

@@ -114,20 +114,6 @@ def test_stars_beyond_the_law_are_named_with_their_place() -> None:
 
 
 @pytest.mark.parametrize(
-    ("sections", "named"),
-    [
-        ({"fabric": {"thickness_mm": 0.7}}, "fabric.thickness_mm"),
-        ({"fabric": {"stretch": 1.5}}, "fabric.stretch"),
-        ({"plastic": {"modulus_ratio": 100.0}}, "plastic.modulus_ratio"),
-    ],
-)
-def test_a_law_for_something_else_is_refused(sections: dict[str, dict[str, object]], named: str) -> None:
-    design = changed(**sections)
-    with pytest.raises(LawError, match=named):
-        star_values(design, layout(design), plain_law())
-
-
-@pytest.mark.parametrize(
     ("name", "value", "said"),
     [
         ("lam_n", 1.2, "lam_n = 1.2, a sheet needs a contraction above 0"),

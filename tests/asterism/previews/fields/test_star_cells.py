@@ -6,13 +6,12 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import shapely
 
 from asterism.homogenize.law.axes import law_coordinates
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-from asterism.previews.fields.star_cells import HALF_WAY, MIN_SHARE_OFF_SHEET, MIN_WIDTH, CellGrid, Shares, StarCells
+from asterism.previews.fields.star_cells import HALF_WAY, MIN_WIDTH, CellGrid, Shares, StarCells
 from asterism.previews.model import PREVIEW_MODEL
 
 TUBE = gallery.load("tube")
@@ -53,15 +52,6 @@ def test_inside_the_shares_add_up_and_have_no_jumps() -> None:
     assert top[:, 0] == pytest.approx(top[:, 1], abs=0.03)
 
 
-@pytest.mark.slow
-def test_a_narrow_kernel_gives_the_cells_themselves(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("asterism.previews.fields.star_cells.MIN_WIDTH", 0.005)
-    points = np.random.default_rng(0).uniform(-30, 30, (300, 2))
-    weights = Shares(StarCells(PLAN, TUBE.lattice), points).narrow.toarray()
-    nearest = np.linalg.norm(points[:, None] - PLAN.centres[None], axis=2).argmin(axis=1)
-    assert np.mean(weights.argmax(axis=1) == nearest) > 0.97
-
-
 def test_a_removed_star_is_bare_fabric() -> None:
     data = TUBE.to_dict()
     data["stars"]["override"] = [{"star": 0, "remove": True}]
@@ -70,15 +60,6 @@ def test_a_removed_star_is_bare_fabric() -> None:
     assert len(plan.centres) == len(PLAN.centres) - 1
     share = Shares(StarCells(plan, design.lattice), np.zeros((1, 2))).wide.sum()
     assert share < 0.3
-
-
-def test_a_tongue_narrower_than_the_grid_has_an_answer() -> None:
-    data = TUBE.to_dict()
-    tongue = [[-30, -30], [30, -30], [30, -0.2], [60, -0.2], [60, 0.2], [30, 0.2], [30, 30], [-30, 30]]
-    data["border"] = {"polygon_mm": tongue}
-    design = Design.from_dict(data)
-    shares = Shares(StarCells(layout(design), design.lattice), np.array([[55.0, 0.0]]))
-    assert 0.0 <= shares.wide.sum() <= 1.0 and 0.0 <= shares.narrow.sum() <= 1.0
 
 
 def test_long_arms_reach_out_of_their_cells_and_short_ones_do_not() -> None:
@@ -118,9 +99,6 @@ def design(border: list[list[float]]) -> Design:
     return Design.from_dict(TUBE.to_dict() | {"border": {"polygon_mm": border}})
 
 
-DENTED = design([[-40.0, -35.0], [45.0, -30.0], [10.0, 0.0], [42.0, 31.0], [-38.0, 40.0]])
-
-
 def points(grid: CellGrid) -> np.ndarray:
     return grid.origin + grid.step * np.moveaxis(np.indices(grid.owner.shape), 0, -1)
 
@@ -136,13 +114,6 @@ def test_the_nearest_star_owns_a_place() -> None:
     assert np.allclose(least[owned], away.min(axis=2)[owned])
 
 
-def test_counts_tell_inside_from_outside_in_a_dented_sheet() -> None:
-    plan = layout(DENTED)
-    grid = CellGrid(plan, DENTED.lattice, 0.7, 5.0)
-    inside = shapely.contains_xy(shapely.polygons(plan.outline), points(grid).reshape(-1, 2)).reshape(grid.count.shape)
-    assert np.array_equal(grid.count, np.where(inside, 1.0, MIN_SHARE_OFF_SHEET))
-
-
 def test_what_is_on_the_outline_is_not_inside() -> None:
     square = design([[-30.0, -30.0], [30.0, -30.0], [30.0, 30.0], [-30.0, 30.0]])
     grid = CellGrid(layout(square), square.lattice, 0.5, 2.0)
@@ -152,11 +123,3 @@ def test_what_is_on_the_outline_is_not_inside() -> None:
     places = points(shifted)
     on = np.isclose(np.abs(places).max(axis=-1), 30.0)
     assert not (shifted.count[on] == 1.0).any()
-
-
-def test_runs_end_where_owner_or_count_change() -> None:
-    grid = CellGrid(layout(DENTED), DENTED.lattice, 1.3, 4.0)
-    for owner, count, ends in zip(grid.owner, grid.count, grid.ends, strict=True):
-        for j, end in enumerate(ends.tolist()):
-            assert (owner[j:end] == owner[j]).all() and (count[j:end] == count[j]).all()
-            assert end == len(owner) or owner[end] != owner[j] or count[end] != count[j]
