@@ -16,7 +16,6 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.materials import rest_curvature
 from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.meshing import mesh_layout
-from asterism.shape.shape import Shape
 from tests.validation.rods import Material, solve
 
 RADIUS_MM, EDGE_MM = 40.0, 3.0
@@ -65,47 +64,24 @@ def test_a_bilayer_ring_turns_its_section_by_the_angle_of_least_energy(
     assert angle.mean() == pytest.approx(expected, rel=2e-3)
 
 
-def parallel(bending: str) -> Shape:
-    """A layer without gaps: lines as far apart as they are wide."""
-    lines = [{"line_mm": [(-15.0, y), (15.0, y)]} for y in 1.2 * (np.arange(11) - 5)]
-    return exact_shape(
-        Design.from_dict(
-            {
-                "fabric": {"bending": bending},
-                "plastic": {"rest_curvature": "timoshenko", "modulus_ratio": 1600.0},
-                "rods": {"draw": lines, "thickness_mm": 0.4, "width_mm": 1.1999},
-                "border": {"rectangle_mm": (31.0, 13.2)},
-                "mesh": {"edge_mm": 1.5},
-            }
-        )
-    )
-
-
 @pytest.mark.slow
 def test_a_solid_layer_of_lines_rolls_as_timoshenkos_bilayer() -> None:
-    """And it contracts across the lines as fabric that is stretched along them."""
-    shape = parallel("paper")
-    design = Design.from_dict(shape.summary["design"])
+    """A layer without gaps: lines as far apart as they are wide."""
+    lines = [{"line_mm": [(-15.0, y), (15.0, y)]} for y in 1.2 * (np.arange(11) - 5)]
+    data = {
+        "fabric": {"bending": "paper"},
+        "plastic": {"rest_curvature": "timoshenko", "modulus_ratio": 1600.0},
+        "rods": {"draw": lines, "thickness_mm": 0.4, "width_mm": 1.1999},
+        "border": {"rectangle_mm": (31.0, 13.2)},
+        "mesh": {"edge_mm": 1.5},
+    }
+    design = Design.from_dict(data)
+    shape = exact_shape(design)
     expected = float(rest_curvature(0.4, design.fabric, design.plastic))
     inner = np.isin(shape.rod_fields["arm"], np.arange(2, 9))
     curvature = float(np.nanmean(shape.rod_fields["curvature_per_mm"][inner]))
     assert shape.summary.is_minimum
     assert 0.97 < curvature / expected < 1.0
-
-
-@pytest.mark.slow
-def test_a_skew_grid_on_coarse_edges_has_the_energy_and_contraction_of_fine_ones() -> None:
-    a = [9.0 * np.cos(np.pi / 6), 4.5]
-    lines = [{"line_mm": [(0, 0), (a[0], sign * a[1])]} for sign in (1, -1)]
-    data: dict[str, Any] = {
-        "lattice": {"kind": "custom", "vectors_mm": [a, [a[0], -a[1]]]},
-        "rods": {"motif": lines, "thickness_mm": 0.4},
-        "border": {"rectangle_mm": (36.0, 36.0)},
-    }
-    coarse, fine = (exact_shape(Design.from_dict(data | {"mesh": {"edge_mm": edge}})).summary for edge in (2.5, 1.0))
-    assert coarse.is_minimum and fine.is_minimum
-    assert coarse.energy_n_mm == pytest.approx(fine.energy_n_mm, rel=5e-3)
-    assert coarse.contraction == pytest.approx(fine.contraction, rel=5e-3)
 
 
 def test_stars_written_as_a_motif_are_stars() -> None:

@@ -201,32 +201,3 @@ def test_frames_fitted_to_a_rigid_motion_are_its_rotation():
     moved = flat(case).rotated(rotation, np.zeros(3))
     frames = fitted_frames(joints, case.system.edges, case.printed, moved.positions, moved.directors)
     np.testing.assert_allclose(frames, moved.frames, atol=1e-12)
-
-
-def test_joint_of_two_halves_in_line_is_a_stencil():
-    """With the joint's frame at rest, two half edges in one line have the energy of one stencil."""
-    n = 6
-    printed = np.column_stack([np.linspace(0.0, 12.0, n + 1), np.zeros(n + 1)])
-    ones = np.ones(n)
-    args = (printed, THIN.modulus)
-    whole = rod_network((np.arange(n + 1),), np.array([-1]), printed)
-    bend = bend_params(whole, *args, 1.2 * ones, 0.3 * ones, 0.02 * ones)
-    stencil = 2
-    angle = -0.005
-    middle = printed[3]
-    cut = joint_network((np.arange(4), np.arange(3, n + 1)), [[(0, 1), (1, 0)]])
-    both = rod_network((np.arange(4), np.arange(3, n + 1)), np.array([-1, -1]), printed)
-    joint = RodJoint(
-        *joint_inputs(cut, n + 1, n), joint_params(cut, both, *args, 0.3, 1.2 * ones, 0.3 * ones, 0.02 * ones)
-    )
-    fallen = np.abs(printed[:, 0] - middle[0])
-    positions = np.column_stack(
-        [middle[0] + np.cos(angle) * (printed[:, 0] - middle[0]), 0.0 * fallen, -np.sin(angle) * fallen]
-    )
-    side = np.sign(printed[:-1, 0] + 1.0 - middle[0])[:, None]
-    directors = np.hstack([np.sin(angle) * side, 0.0 * side, np.cos(angle) + 0.0 * side])
-    state = State(positions, directors, np.eye(3)[None])
-    inputs, dofs = stencil_inputs(whole, n + 1)
-    expected = RodBend(inputs, dofs, bend).energies(State(positions, directors).packed)[stencil]
-    assert joint.energies(state.packed).sum() == pytest.approx(expected, rel=1e-3)
-    assert expected > 0.0

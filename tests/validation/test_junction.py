@@ -9,7 +9,7 @@ from asterism.discrete.energies.rods.network import RodNetwork, rod_network
 from asterism.discrete.model.state import State, moved_state
 from asterism.discrete.model.system import System
 from asterism.equilibrium.arrays import Array
-from tests.validation.rods import Material, cantilever, flat, lowest, rod_system, solve
+from tests.validation.rods import Material, flat, lowest, rod_system, solve
 
 ARM = Material(width=1.2, thickness=0.3)
 LENGTH, EDGES = 10.0, 6
@@ -110,37 +110,3 @@ def test_two_joined_halves_are_one_rod():
     scale = np.abs(gradient).max()
     np.testing.assert_allclose(image[: 3 * n + 3], gradient[: 3 * n + 3], atol=1e-12 * scale)
     np.testing.assert_allclose(image[3 * n + 3 :], sign * gradient[3 * n + 3 :][edge], atol=1e-12 * scale)
-
-
-def test_rejoined_cantilever_bends_like_the_whole():
-    """Cut in the middle, half copies bonded on both sides, loaded at the tip out of the sheet and in its plane."""
-    n = 20
-    rod = cantilever(n, 100.0, ARM)
-    halves = rod_network((np.arange(10, -1, -1), np.arange(10, n + 1)), np.array([0, 0]), rod.printed)
-    held = np.zeros(3 * (n + 1) + n, dtype=bool)
-    held[:6] = True
-    held[3 * (n + 1) + 9] = True  # the first half runs backwards, the clamped edge is its last
-    joined = rod_system(halves, rod.printed, ARM, held)
-    load = np.zeros((n + 1, 3))
-    load[-1] = np.array([0.0, 3.0, 2.0]) * ARM.about_width / 100.0**2
-    expected = solve(rod.system, flat(rod.system, rod.printed), [0.5 * load, load]).state
-    found = solve(joined, flat(joined, rod.printed), [0.5 * load, load]).state
-    assert expected.positions[-1, 2] > 30.0
-    np.testing.assert_allclose(found.positions, expected.positions, atol=1e-5)
-
-
-def test_two_half_copies_of_an_arm_bend_like_the_whole():
-    """The paper's split (section 3.2): a rod of half the stiffness, twice on the same vertices and bonded."""
-    n = 20
-    rod = cantilever(n, 100.0, ARM)
-    load = np.zeros((n + 1, 3))
-    load[-1, 2] = 2.0 * ARM.about_width / 100.0**2
-    expected = solve(rod.system, flat(rod.system, rod.printed), [0.5 * load, load]).state
-    half = {name: type(part)(part.inputs, part.dofs, part.params.copy()) for name, part in rod.system.parts.items()}
-    half["rod_bending"].params[:, :2] *= 0.5
-    half["rod_stretch"].params[:, 0] *= 0.5
-    half["rod_twist"].params[:, 0] *= 0.5
-    parts = {f"{name} {copy}": part for name, part in half.items() for copy in (1, 2)}
-    twice = System(parts, n + 1, rod.system.edges, rod.system.held)
-    found = solve(twice, flat(twice, rod.printed), [0.5 * load, load]).state
-    np.testing.assert_allclose(found.positions, expected.positions, atol=1e-5)

@@ -62,7 +62,6 @@ def sizes(counts: tuple[int, ...]) -> list[float]:
     ("load", "w", "u", "slope"),
     [
         (1.0, 0.30172, 0.05643, 26.434),
-        (4.0, 0.66996, 0.32894, 64.242),
         (10.0, 0.81061, 0.55500, 81.949),
     ],
 )
@@ -91,7 +90,6 @@ def test_tip_loaded_cantilever(load, w, u, slope):
     ("gravity", "reach", "drop"),
     [
         (1.0, 0.991246, 0.123471),
-        (10.0, 0.656354, 0.700200),
         (100.0, 0.159223, 0.937524),
     ],
 )
@@ -111,28 +109,12 @@ def test_heavy_cantilever(gravity, reach, drop):
     assert_second_order(sizes(counts), place[1], drop, 4e-5, 2e-4)
 
 
-def test_very_heavy_cantilever():
-    """G = 1000: all the bending is in a boundary layer of a tenth of the length at the clamp."""
-    thin = Material(width=1.2, thickness=0.06)  # at this load 0.3 mm would stretch by 4e-4
-    counts, found = (80, 160, 320), []
-    for n in counts:
-        rod = cantilever(n, LENGTH, thin)
-        loads = [weight(rod, [0.0, 0.0, -g * thin.about_width / LENGTH**2]) for g in np.geomspace(1.0, 1000.0, 10)]
-        state = solve(rod.system, flat(rod.system, rod.printed), loads).state
-        x, _, z = rod.place(state)
-        found.append((x, -z))
-    place = np.array(found).T
-    assert_second_order(sizes(counts), place[0], 0.045986, 3e-5, 2e-4)
-    assert_second_order(sizes(counts), place[1], 0.981141, 3e-5, 2e-4)
-
-
 # V7
 
 
 @pytest.mark.parametrize(
     ("phi", "gravity", "aside", "drop"),
     [
-        (1.0, 10.0, 0.236978, 0.954674),
         (2.0, 1.0, 0.679391, 0.525291),
         (np.pi, 10.0, 0.601297, 0.563872),
     ],
@@ -158,10 +140,9 @@ def test_naturally_curved_hanging_rod(phi, gravity, aside, drop):
         assert_second_order(h, values, published, 2e-5, 3e-4)
 
 
-@pytest.mark.parametrize("phi", [1.0, 2.0 * np.pi])
-def test_curved_rod_without_load_is_a_circle(phi):
+def test_curved_rod_without_load_is_a_circle():
     """Zero energy; the polygon's corners turn by 2 atan(phi/(2 n)), as the integrated curvature says."""
-    n = 40
+    n, phi = 40, 2.0 * np.pi
     rod = cantilever(n, LENGTH, ARM, kappa=phi / LENGTH)
     rest = rod.system.parts["rod_bending"].params
     full, state = rest[:, 2].copy(), flat(rod.system, rod.printed)
@@ -213,7 +194,6 @@ def test_column_under_its_own_weight():
     ("degrees", "load", "x", "y"),
     [
         (20.0, 1.0154, 0.9697, 0.2194),
-        (60.0, 1.1517, 0.7410, 0.5932),
         (120.0, 1.8848, 0.1232, 0.8032),
     ],
 )
@@ -262,16 +242,6 @@ def test_lateral_torsional_buckling(load, published, low, high):
     ]
     corrected = published * (1.0 + 0.5 * (strip.about_width + strip.torsion) / strip.in_plane)
     assert_second_order(sizes(counts), found, corrected, 5e-5, 1e-3)
-
-
-def test_lateral_buckling_sees_the_torsion_constant():
-    """The critical load goes with the root of GJ: a tenth more torsion, 4.9 % more load."""
-    strip, length = Material(width=30.0, thickness=0.3), 3000.0
-    unit = np.sqrt(strip.about_width * strip.torsion) / length**2
-    rod = cantilever(20, length, strip)
-    rod.system.parts["rod_twist"].params[:, 0] *= 1.1
-    found = first_buckling(rod, lambda rod, f: at_tip(rod, [0.0, -f * unit, 0.0]), 3.8, 4.6)
-    assert found == pytest.approx(np.sqrt(1.1) * 4.0126, rel=3e-3)
 
 
 # V10

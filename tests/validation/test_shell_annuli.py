@@ -87,9 +87,7 @@ RINGS = [0.1, 0.16, 0.25, 0.4, 0.7, 0.9, 1.0, 1.1]
 # thickness: energies of stretching and of bending, rise; of a shell of revolution
 BUCKLED = {
     0.01: (9.2846e-9, 3.5850e-7, 0.54117),
-    0.0316228: (5.2932e-7, 1.01812e-5, 0.53998),
     0.1: (3.45096e-5, 2.48198e-4, 0.52903),
-    0.2: (4.60534e-4, 1.313039e-3, 0.46417),
     0.3: (2.845601e-3, 1.467953e-3, 0.27080),
 }
 
@@ -129,8 +127,8 @@ def test_spherical_annulus_buckles(thickness: float) -> None:
     assert found.energy < 0.404972 * thickness**3
 
 
-@pytest.mark.parametrize("thickness", [0.4, 0.5])
-def test_thick_spherical_annulus_stays_flat(thickness: float) -> None:
+def test_thick_spherical_annulus_stays_flat() -> None:
+    thickness = 0.4
     shell = _spherical(thickness)
     found = follow(shell, _cap(shell), shell.factor())
     assert found.is_minimum

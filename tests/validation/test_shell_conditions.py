@@ -12,8 +12,7 @@ from asterism.fem.shell.fields import Fields, of_stretch
 from asterism.fem.shell.shell import Shell
 from asterism.fem.supports.conditions import EdgeSupport, PointSupport, vertices_at
 from asterism.fem.supports.loads import area_load
-from tests.fem.loads import point_load
-from tests.fem.meshes import disc, facets_where, rectangle, turned
+from tests.fem.meshes import facets_where, rectangle, turned
 from tests.validation.shells import at, guess, material, stepped
 
 
@@ -70,39 +69,13 @@ def test_square_plate_under_a_small_load(clamped: bool, expected: float) -> None
     assert middle * plate[3, 3] / (load * 100.0**4) == pytest.approx(expected, rel=1e-4)
 
 
-@pytest.mark.parametrize(("clamped", "factor"), [(False, (5.3 / 1.3) / 64), (True, 1 / 64)], ids=["pinned", "clamped"])
-def test_round_plate_under_a_small_load(clamped: bool, factor: float) -> None:
-    """`w = (5 + nu)/(1 + nu) q R^4/(64 D)` and `q R^4/(64 D)`, held along a curve; the rim has 32 edges."""
-    mesh = disc(3)
-    space, plate = Argyris(mesh), material(2.0, 0.01, 0.3)
-    load = 1e-5 * plate[3, 3] / factor
-    rim = EdgeSupport(mesh.boundary_facets(), clamped=clamped)
-    shell = Shell(space, Fields(Density(plate)), [rim], area_load(space, (0.0, 0.0, load)))
-    *_, x = stepped(shell, shell.flat, [1.0])
-    assert at(shell, x, (0.0, 0.0))[0, 2] == pytest.approx(1e-5, rel=0.035)
-
-
-def test_three_corners_pinned_and_a_small_force_on_the_fourth() -> None:
-    """Pure twist `w = P x y / (2 D (1 - nu))`; the corner moves by a thousandth of the thickness."""
-    mesh, plate = rectangle(3, 3, 10.0, 10.0, amount=0.2), material(1.0, 1.0, 0.3)
-    space = Argyris(mesh)
-    corners = vertices_at(mesh, np.array([[0.0, 0], [10, 0], [0, 10]]))
-    pins = PointSupport(corners, np.column_stack([mesh.p.T[corners], np.zeros(3)]))
-    force = 1e-3 * 2.0 * plate[3, 3] * 0.7 / 100.0
-    shell = Shell(space, Fields(Density(plate)), [pins], point_load(space, [10.0, 10.0], [0.0, 0.0, force]))
-    *_, x = stepped(shell, shell.flat, [1.0])
-    points = [(10.0, 10.0), (5.0, 5.0), (2.0, 7.0)]
-    assert at(shell, x, *points)[:, 2] == pytest.approx([1e-3, 2.5e-4, 1.4e-4], rel=1e-4)
-
-
 def _elastica(modulus: float) -> tuple[float, float]:
     """Chord and height over length of Euler's elastica, its ends hinged; elliptic modulus k (Love, section 263)."""
     quarter = ellipk(modulus**2)
     return 2.0 * ellipe(modulus**2) / quarter - 1.0, modulus / quarter
 
 
-@pytest.mark.parametrize("modulus", [0.4, 0.75])
-@pytest.mark.parametrize("ends", ["pinned", "clamped", "guided and pinned"])
+@pytest.mark.parametrize(("ends", "modulus"), [("pinned", 0.4), ("clamped", 0.75), ("guided and pinned", 0.75)])
 def test_buckled_strip(ends: str, modulus: float) -> None:
     """Oblique edges moved towards each other: Euler's elastica, of which a clamped strip holds four quarters.
 
@@ -147,9 +120,9 @@ def _wave(shell: Shell, along: np.ndarray, length: float, chord: float, height: 
     return shell.constrain(guess(shell.space, place, 1e-3 * length))
 
 
-@pytest.mark.parametrize(("weight", "width", "drop"), [(1.0, 0.991246, 0.123471), (10.0, 0.656354, 0.700200)])
-def test_heavy_cantilever(weight: float, width: float, drop: float) -> None:
+def test_heavy_cantilever() -> None:
     """Gravity on a clamped strip, `G = q L^3/EI` (VALIDATION V6)."""
+    weight, width, drop = 10.0, 0.656354, 0.700200
     length, plate = 10.0, material(1.0, 0.02, 0.0)
     mesh = rectangle(8, 1, length, 1.0)
     space = Argyris(mesh)

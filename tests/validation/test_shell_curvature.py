@@ -73,7 +73,7 @@ def _turn(shell: Shell, x: np.ndarray) -> float:
     return float(angles[-1] - angles[0])
 
 
-@pytest.mark.parametrize("thickness", [0.02, 0.01, 0.005, 0.0025])
+@pytest.mark.parametrize("thickness", [0.02, 0.0025])
 def test_long_sheet_rolls_as_an_endless_one(thickness: float) -> None:
     shell = _shell(thickness, (18, 10), 6.0)
     expected = turn(thickness, POISSON, CURVATURE, 2.0)
