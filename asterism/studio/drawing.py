@@ -114,7 +114,10 @@ def _layer_data(name: str, lines: list[FileLine], tolerance: float) -> dict[str,
 
 _DIGITS = 6
 # keys of the border that give an outline
-OUTLINE_KEYS = ("rings", "rectangle_mm", "polygon_mm", "circle_mm", "file", "layer", "origin", "units", "rods")
+OUTLINE_KEYS = (
+    *("rings", "rectangle_mm", "polygon_mm", "bulge_mm", "circle_mm", "spline_mm", "rods"),
+    *("file", "layer", "origin", "units"),
+)
 
 
 def with_drawing(

@@ -21,6 +21,8 @@ MIN_SHEET_AREA_MM2 = 1.0
 MIN_SHEET_WIDTH_MM = 0.01
 MIN_SPIKE_ASPECT = 20.0
 MAX_HOLES = 1000
+# bulges of half a circle may be rounded
+BULGE_TOLERANCE_MM = 1e-3
 
 
 class Hole(Section):
@@ -32,9 +34,10 @@ class Hole(Section):
     'polygon_mm'
     """
 
-    # circle_mm, polygon_mm, spline_mm: the edge of the hole; the polygon and the spline return to their first point.
+    # circle_mm, polygon_mm, bulge_mm, spline_mm: the edge of the hole, as in `Border`.
     circle_mm: DrawnCircle | None = None
     polygon_mm: tuple[Point, ...] | None = Field(None, min_length=3, max_length=10_000)
+    bulge_mm: tuple[Number, ...] | None = None
     spline_mm: tuple[Point, ...] | None = Field(None, min_length=3, max_length=10_000)
     # name of a closed line of `[rods]` that is the edge: the fabric within it is cut out along its inner edge.
     rods: Line | None = None
@@ -54,6 +57,7 @@ class Hole(Section):
     @model_validator(mode="after")
     def _one_edge(self) -> Self:
         self._check_one_of(*_KINDS)
+        _check_bulges(self)
         if self.layer is not None and self.file is None:
             raise DesignError("layer", "goes with file", self.layer)
         return self
@@ -63,7 +67,7 @@ _KINDS = ("circle_mm", "polygon_mm", "spline_mm", "rods", "file")
 
 
 class Border(Section):
-    """The outline: one of `rings`, `rectangle_mm`, `polygon_mm`, `circle_mm`, `file` and `rods`.
+    """The outline: one of `rings`, `rectangle_mm`, `polygon_mm`, `circle_mm`, `spline_mm`, `file` and `rods`.
 
     Examples
     --------
@@ -77,8 +81,12 @@ class Border(Section):
     rectangle_mm: Annotated[Point, within(1, MAX_SHEET_MM, " mm")] | None = None
     # corners in order, clockwise or counterclockwise.
     polygon_mm: tuple[Point, ...] | None = Field(None, min_length=3, max_length=1000)
+    # of each edge, from the first corner on: how far its middle stands out, or in if negative. The edge is an arc.
+    bulge_mm: tuple[Number, ...] | None = None
     # a circle or an ellipse; its edges are straight pieces that begin on the x axis.
     circle_mm: DrawnCircle | None = None
+    # points that a smooth closed curve passes through.
+    spline_mm: tuple[Point, ...] | None = Field(None, min_length=3, max_length=1000)
     # SVG, DXF or 3DM file, whose largest closed line is the outline; closed lines within it are holes. It is read once:
     # the outline is stored as `polygon_mm`, and the holes as `holes`.
     file: Text | None = None
@@ -99,18 +107,17 @@ class Border(Section):
 
     @model_validator(mode="after")
     def _one_outline(self) -> Border:
-        self._check_one_of("rings", "rectangle_mm", "polygon_mm", "circle_mm", "rods")
+        self._check_one_of("rings", "rectangle_mm", "polygon_mm", "circle_mm", "spline_mm", "rods")
         for name in ("layer", "units"):
             if self.file is None and getattr(self, name) is not None:
                 raise DesignError(name, "goes with file", getattr(self, name))
-        if self.circle_mm is not None and not np.all(
-            np.abs(self.circle_mm.centre) + self.circle_mm.half_axes <= MAX_SHEET_MM
-        ):
-            raise DesignError(
-                "circle_mm", f"must be within {MAX_SHEET_MM:g} mm of the origin", self.circle_mm.model_dump()
-            )
+        if (circle := self.circle_mm) is not None and np.abs(circle.box).max() > MAX_SHEET_MM:
+            raise DesignError("circle_mm", f"must be within {MAX_SHEET_MM:g} mm of the origin", circle.model_dump())
         if self.polygon_mm is not None:
-            _check_polygon(self.polygon_mm)
+            check_ring(np.asarray(self.polygon_mm), "polygon_mm", self.polygon_mm)
+        if self.spline_mm is not None:
+            _check_points(np.asarray(self.spline_mm), "spline_mm", self.spline_mm)
+        _check_bulges(self)
         if self.rings is not None and self.star_margin_mm is not None and not self.holes:
             raise DesignError("star_margin_mm", "goes with another outline, not with rings", self.star_margin_mm)
         if self.star_margin_mm is not None and self.star_margin_mm <= self.tip_margin_mm:
@@ -119,23 +126,54 @@ class Border(Section):
             )
         return self
 
+    @property
+    def curve_key(self) -> str | None:
+        """The key that makes curves between given points."""
+        return next((key for key in ("spline_mm", "bulge_mm") if getattr(self, key) is not None), None)
 
-def _check_polygon(polygon: tuple[Point, ...]) -> None:
-    """Refuse polygons that do not bound one piece of fabric."""
 
-    def error(allowed: str, value: object = polygon, place_mm: Iterable[float] | None = None) -> DesignError:
-        return DesignError("polygon_mm", allowed, value, place_mm=place_mm)
+def _check_bulges(edge: Border | Hole) -> None:
+    """Refuse bulges that do not belong to the edges of a polygon, and arcs beyond half a circle."""
+    if edge.bulge_mm is None:
+        return
+    if edge.polygon_mm is None:
+        raise DesignError("bulge_mm", "goes with polygon_mm", edge.bulge_mm)
+    corners, count = np.asarray(edge.polygon_mm), len(edge.polygon_mm)
+    if len(edge.bulge_mm) != count:
+        raise DesignError("bulge_mm", f"must have {count} entries, one for each edge", len(edge.bulge_mm))
+    half = 0.5 * np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1)
+    for k in np.flatnonzero(np.abs(edge.bulge_mm) > half + BULGE_TOLERANCE_MM):
+        allowed = f"must be within {half[k]:g} mm, half the length of its edge: an arc is at most half a circle"
+        raise DesignError(f"bulge_mm[{k}]", allowed, edge.bulge_mm[k], place_mm=corners[k])
 
-    corners = np.asarray(polygon)
-    if np.abs(corners).max() > MAX_SHEET_MM:
-        raise error(f"must be within {MAX_SHEET_MM:g} mm of the origin")
-    step = np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1)
+
+def _check_points(points: Floats, field: str, value: object = None) -> None:
+    """Refuse points (n, 2) mm that are far away, on one line, or repeated."""
+    if np.abs(points).max() > MAX_SHEET_MM:
+        raise DesignError(field, f"must be within {MAX_SHEET_MM:g} mm of the origin", value)
+    if shapely.area(shapely.convex_hull(shapely.polygons(points))) < MIN_SHEET_AREA_MM2:
+        allowed = f"must enclose at least {MIN_SHEET_AREA_MM2:g} mm2: its corners lie on one line"
+        raise DesignError(field, allowed, value)
+    step = np.linalg.norm(np.roll(points, -1, axis=0) - points, axis=1)
     if step.min() < 1e-3:
-        repeated = polygon[(int(step.argmin()) + 1) % len(polygon)]
-        raise error("must not repeat a corner (nor the first at the end)", repeated, repeated)
+        repeated = tuple(points[(int(step.argmin()) + 1) % len(points)].tolist())
+        raise DesignError(field, "must not repeat a corner (nor the first at the end)", repeated, place_mm=repeated)
+
+
+def check_ring(corners: Floats, field: str, value: object = None) -> None:
+    """Refuse outlines (B, 2) mm that do not bound one piece of fabric.
+
+    Raises
+    ------
+    DesignError
+        The message names the field, and the value if it is given.
+    """
+
+    def error(allowed: str, place_mm: Iterable[float] | None = None) -> DesignError:
+        return DesignError(field, allowed, value, place_mm=place_mm)
+
+    _check_points(corners, field, value)
     sheet = shapely.polygons(corners)
-    if shapely.area(shapely.convex_hull(sheet)) < MIN_SHEET_AREA_MM2:
-        raise error(f"must enclose at least {MIN_SHEET_AREA_MM2:g} mm2: its corners lie on one line")
     if not shapely.is_valid(sheet):
         # shapely reports the place in square brackets
         place = shapely.is_valid_reason(sheet).rpartition("[")[2].rstrip("]").split()
@@ -152,16 +190,14 @@ def _check_polygon(polygon: tuple[Point, ...]) -> None:
 
 def _thin_place(corners: Floats) -> int | None:
     """Number of a corner at which the sheet, or the space beside it, is much thinner than it is long."""
-    count = len(corners)
     ends = np.roll(corners, -1, axis=0)
     length = np.linalg.norm(ends - corners, axis=1)
     along = np.concatenate([[0.0], np.cumsum(length)])
-    for corner in range(count):
-        edges = (corner + 1 + np.arange(count - 2)) % count  # all but the two edges that end here
-        distance = distance_to_segment(corners[corner], corners[edges], ends[edges])
-        # way along the outline to the nearer end of the edge, in either direction
-        ahead = (along[edges] - along[corner]) % along[-1]
-        way = np.minimum(ahead, along[-1] - ahead - length[edges])
-        if ((distance < MIN_SHEET_WIDTH_MM) & (way > MIN_SPIKE_ASPECT * MIN_SHEET_WIDTH_MM)).any():
-            return corner
-    return None
+    edges = shapely.STRtree(shapely.linestrings(np.stack([corners, ends], axis=1)))
+    corner, edge = edges.query(shapely.points(corners), predicate="dwithin", distance=MIN_SHEET_WIDTH_MM)
+    distance = distance_to_segment(corners[corner], corners[edge], ends[edge])
+    # way along the outline to the nearer end of the edge, in either direction; it is 0 to the two edges that end here
+    ahead = (along[edge] - along[corner]) % along[-1]
+    way = np.minimum(ahead, along[-1] - ahead - length[edge])
+    thin = (distance < MIN_SHEET_WIDTH_MM) & (way > MIN_SPIKE_ASPECT * MIN_SHEET_WIDTH_MM)
+    return int(corner[thin].min()) if thin.any() else None

@@ -7,6 +7,7 @@ from typing import Literal, Self
 import numpy as np
 from pydantic import Field, field_validator, model_validator
 
+from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.errors import DesignError, one_line
 from asterism.pattern.design.materials import CurvaturePerMm
 from asterism.pattern.design.rounding import Rounding
@@ -24,18 +25,32 @@ class DrawnCircle(Section):
 
     Examples
     --------
-    >>> DrawnCircle(radius=(40.0, 25.0)).half_axes
-    (40.0, 25.0)
+    >>> ellipse = DrawnCircle(radius=(40.0, 25.0), turn_deg=90.0)
+    >>> ellipse.half_axes, ellipse.at(np.zeros(1)).round(9).tolist()
+    ((40.0, 25.0), [[0.0, 40.0]])
     """
 
     centre: Point = (0.0, 0.0)
     radius: NumberOrPair
+    turn_deg: Number = Field(0.0, ge=-360, le=360)  # by which the half axes are turned, counterclockwise
 
     @property
     def half_axes(self) -> tuple[float, float]:
-        """mm, along x and y."""
+        """mm, along x and y before it is turned."""
         x, y = np.broadcast_to(self.radius, 2)
         return float(x), float(y)
+
+    def at(self, angle: Floats) -> Floats:
+        """(n, 2) mm, points by the angle of a circle (n,) rad whose two axes are stretched to the half axes."""
+        turn, (a, b) = np.radians(self.turn_deg), self.half_axes
+        x, y, c, s = a * np.cos(angle), b * np.sin(angle), np.cos(turn), np.sin(turn)
+        return np.asarray(self.centre) + np.column_stack([c * x - s * y, s * x + c * y])
+
+    @property
+    def box(self) -> Floats:
+        """(2, 2) mm, lower left and upper right corner of the box around it."""
+        half = np.hypot(*(self.at(np.array([0.0, np.pi / 2])) - self.centre))
+        return np.array([self.centre - half, self.centre + half])
 
     @field_validator("radius")
     @classmethod

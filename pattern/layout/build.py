@@ -23,7 +23,7 @@ from asterism.pattern.geometry.planar import distance_to_outline, polygon_area
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.pin_placement import check_pins, pin_set, snapped_to_lines
 from asterism.pattern.layout.sheet_edges import SheetEdges
-from asterism.pattern.layout.star_cells import outline, star_cells, star_margin_mm, star_sizes
+from asterism.pattern.layout.star_cells import corner_numbers, outline, star_cells, star_margin_mm, star_sizes
 from asterism.pattern.layout.supports import PinSet
 from asterism.pattern.rods.arms import check_clear, cut
 from asterism.pattern.rods.graph import RodGraph, close_rods, place_between
@@ -184,14 +184,16 @@ def _of_stars(design: Design) -> Layout:
 def _kept_pins(pins: tuple[Pins, ...], border: Border, lattice: Lattice) -> tuple[PinSet, ...]:
     """The pins where the design places them, kept for edits of stars."""
     corners, holes, _ = _kept_sheet(border, lattice)
-    sets = tuple(pin_set(pin, corners, f"pins[{k}]", holes) for k, pin in enumerate(pins))
+    starts = corner_numbers(border, corners)
+    sets = tuple(pin_set(pin, corners, f"pins[{k}]", holes, starts) for k, pin in enumerate(pins))
     check_pins(sets, SheetEdges.of(corners, holes))
     return sets
 
 
 def _pins(design: Design, outline: Floats, graph: RodGraph, holes: tuple[Floats, ...]) -> tuple[PinSet, ...]:
     """The pins of a design with drawn rods, moved onto rods beside them."""
-    sets = [pin_set(pin, outline, f"pins[{k}]", holes) for k, pin in enumerate(design.pins)]
+    starts = corner_numbers(design.border, outline)
+    sets = [pin_set(pin, outline, f"pins[{k}]", holes, starts) for k, pin in enumerate(design.pins)]
     pins = tuple(snapped_to_lines(pin, outline, graph.nodes, graph.lines) for pin in sets)
     check_pins(pins, SheetEdges.of(outline, holes))
     return pins
@@ -202,7 +204,8 @@ def _with_stars(design: Design, drawn: DrawnPattern) -> Layout:
     changes: dict[str, object] = {"holes": tuple(Hole(polygon_mm=ring.tolist()) for ring in drawn.holes), "rods": None}
     if design.border.rings is None:
         corners = tuple((float(x), float(y)) for x, y in drawn.outline)
-        changes |= {"rectangle_mm": None, "circle_mm": None, "polygon_mm": corners}
+        straight = dict.fromkeys(("rectangle_mm", "circle_mm", "spline_mm", "bulge_mm"))
+        changes |= straight | {"polygon_mm": corners}
     border = design.border.model_copy(update=changes)
     alone = _of_stars(design.model_copy(update={"rods": None, "border": border, "pins": ()}))
     arms = alone.graph

@@ -13,7 +13,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.pins import Pins
 from asterism.pattern.geometry.planar import distance_to_outline, inside
@@ -27,7 +27,7 @@ PIN_TOLERANCE_MM = 0.25
 _NO_POINTS: Floats = np.empty((0, 2))
 
 
-def pin_set(pins: Pins, corners: Floats, name: str, holes: Sequence[Floats] = ()) -> PinSet:
+def pin_set(pins: Pins, corners: Floats, name: str, holes: Sequence[Floats] = (), starts: Ints | None = None) -> PinSet:
     """The pins of one entry of `[[pins]]`.
 
     Parameters
@@ -35,6 +35,7 @@ def pin_set(pins: Pins, corners: Floats, name: str, holes: Sequence[Floats] = ()
     corners : (B, 2) mm, the outline.
     name : of the entry in messages, e.g. `pins[0]`.
     holes : (n, 2) mm each, their edges.
+    starts : (k,) numbers of the corners that the design counts; the others are points of curves. By default all.
 
     Raises
     ------
@@ -42,43 +43,51 @@ def pin_set(pins: Pins, corners: Floats, name: str, holes: Sequence[Floats] = ()
         An edge, a corner or a hole does not exist, a point is off the sheet, points and targets differ in number, or
         edges with targets do not follow each other.
     """
-    points, edges = _selected(pins, corners, name, holes)
+    starts = np.arange(len(corners)) if starts is None else starts
+    points, edges = _selected(pins, corners, name, holes, starts)
     target = curve = None
     if pins.target_mm is not None:
         target = np.asarray(pins.target_mm)
         if edges:
-            curve = _curve(target, edges, corners, name)
+            numbers = tuple(range(len(starts))) if pins.edges is None else pins.edges
+            curve = _curve(target, numbers, edges, corners, starts, name)
         elif len(target) != len(points):
             raise DesignError(f"{name}.target_mm", f"must have {len(points)} places, one a point", len(target))
     return PinSet(points, edges, FIXED_BY_SLIDE[pins.slide], pins.scale, pins.offset_mm, target, pins.step, curve)
 
 
-def _curve(target: Floats, edges: tuple[int, ...], corners: Floats, name: str) -> SupportCurve:
-    """The curve through the targets (k, 3) mm of the corners along edges."""
-    count = len(corners)
-    for k, (edge, following) in enumerate(itertools.pairwise(edges)):
+def _curve(
+    target: Floats, numbers: tuple[int, ...], edges: tuple[int, ...], corners: Floats, starts: Ints, name: str
+) -> SupportCurve:
+    """The curve through the targets (k, 3) mm of the corners along edges, which have these numbers in the design."""
+    count = len(starts)
+    for k, (edge, following) in enumerate(itertools.pairwise(numbers)):
         if following != (edge + 1) % count:
             allowed = f"with target_mm, must be {(edge + 1) % count}: the edges of a curve follow each other"
             raise DesignError(f"{name}.edges[{k + 1}]", allowed, following)
-    is_closed = len(edges) == count
-    needed = count if is_closed else len(edges) + 1
+    is_closed = len(numbers) == count
+    needed = count if is_closed else len(numbers) + 1
     if len(target) != needed:
         raise DesignError(f"{name}.target_mm", f"must have {needed} places, one for each corner", len(target))
-    chain = corners[[*edges, (edges[-1] + 1) % count]]
-    return SupportCurve.through(chain, np.concatenate([target, target[:1]]) if is_closed else target)
+    chain = np.array([*edges, (edges[-1] + 1) % len(corners)])
+    given = np.flatnonzero(np.isin(chain, starts))
+    return SupportCurve.through(corners[chain], np.concatenate([target, target[:1]]) if is_closed else target, given)
 
 
-def _selected(pins: Pins, corners: Floats, name: str, holes: Sequence[Floats]) -> tuple[Floats, tuple[int, ...]]:
+def _selected(
+    pins: Pins, corners: Floats, name: str, holes: Sequence[Floats], starts: Ints
+) -> tuple[Floats, tuple[int, ...]]:
     """Points (P, 2) and edges that an entry selects."""
-    count = len(corners)
-    if pins.where == "border":
-        return _NO_POINTS, tuple(range(count))
+    count = len(starts)
+    if pins.where == "border" or pins.edges is not None:
+        numbers = range(count) if pins.edges is None else _numbers(pins.edges, count, f"{name}.edges")
+        ends = np.append(starts[1:], starts[0] + len(corners))
+        pieces = [np.arange(starts[k], ends[k]) % len(corners) for k in numbers]
+        return _NO_POINTS, tuple(np.concatenate(pieces).tolist())
     if pins.where == "corners":
-        return corners[list(range(count))], ()
+        return corners[starts], ()
     if pins.corners is not None:
-        return corners[list(_numbers(pins.corners, count, f"{name}.corners"))], ()
-    if pins.edges is not None:
-        return _NO_POINTS, _numbers(pins.edges, count, f"{name}.edges")
+        return corners[starts[list(_numbers(pins.corners, count, f"{name}.corners"))]], ()
     if pins.holes is not None:
         sheet = SheetEdges.of(corners, holes)
         if not holes:

@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 
 from asterism.equilibrium.arrays import Floats, Ints
-from asterism.pattern.design.border import MAX_SHEET_MM, Border
+from asterism.pattern.design.border import MAX_SHEET_MM, Border, check_ring
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.design.rods import DrawnCircle
@@ -18,6 +18,8 @@ from asterism.pattern.design.stars import FACES, MIN_ARM_MM, THICKNESS_RANGE_MM,
 
 _SIGN = {"up": 1, "down": -1, "free": 0}
 MAX_STARS_OF_DESIGN = 5000
+# a curved outline is at most so far from the straight edges of the sheet
+OUTLINE_CURVE_MM = 0.1
 
 
 def star_margin_mm(border: Border, lattice: Lattice) -> float:
@@ -99,15 +101,27 @@ def outline(border: Border, lattice: Lattice) -> Floats:
     if border.circle_mm is not None:
         return _ellipse(border.circle_mm)
     corners = np.asarray(border.polygon_mm)
+    if border.curve_key is not None:
+        from asterism.pattern.rods.curves import curved_outline  # slow to import; most outlines have straight edges
+
+        corners = curved_outline(border, OUTLINE_CURVE_MM)
+        check_ring(corners, f"border.{border.curve_key}", getattr(border, border.curve_key))
     return corners if shapely.is_ccw(shapely.linearrings(corners)) else corners[::-1].copy()
+
+
+def corner_numbers(border: Border, ring: Floats) -> Ints:
+    """(k,) numbers of the points of an outline (B, 2) that the design gives; between them may be points of curves."""
+    if border.curve_key is None:
+        return np.arange(len(ring))
+    given = np.asarray(border.spline_mm or border.polygon_mm)
+    return np.flatnonzero(np.isin(ring @ [1, 1j], given @ [1, 1j]))
 
 
 def _ellipse(circle: DrawnCircle) -> Floats:
     """(B, 2) mm, corners on a circle or an ellipse; a multiple of 12, for the symmetries of lattices."""
-    # the outline is at most 0.1 mm from the straight edges of the sheet
-    step = 2 * np.arccos(1 - 0.1 / max(circle.half_axes))
+    step = 2 * np.arccos(1 - OUTLINE_CURVE_MM / max(circle.half_axes))
     angle = np.linspace(0, 2 * np.pi, 12 * int(np.ceil(2 * np.pi / (12 * step))), endpoint=False)
-    return np.asarray(circle.centre) + np.asarray(circle.half_axes) * np.column_stack([np.cos(angle), np.sin(angle)])
+    return circle.at(angle)
 
 
 def _hexagon(rings: int, lattice: Lattice) -> Floats:

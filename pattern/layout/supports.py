@@ -43,8 +43,12 @@ class SupportCurve:
     ends: Floats  # (s + 1,) stations at which the stretches begin, and the last end
 
     @classmethod
-    def through(cls, corners: Floats, places: Floats) -> SupportCurve:
-        """The curve through places (k, 3) mm of corners (k, 2) mm; both end with the first row if it is closed.
+    def through(cls, corners: Floats, places: Floats, given: Ints | None = None) -> SupportCurve:
+        """The curve through places (g, 3) mm of corners (k, 2) mm; both end with the first row if it is closed.
+
+        Parameters
+        ----------
+        given : (g,) numbers of the corners that have a place, the first and the last among them; by default all.
 
         Examples
         --------
@@ -56,25 +60,30 @@ class SupportCurve:
         from scipy.interpolate import CubicSpline  # slow to import; designs without such curves do without it
 
         is_closed = np.array_equal(corners[0], corners[-1])
+        given = np.arange(len(corners)) if given is None else given
         stations = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(corners, axis=0), axis=1))])
-        centre = corners.mean(axis=0)
-        terms = np.column_stack([corners - centre, np.ones(len(corners))])
+        held, knots = corners[given], stations[given]
+        centre = held.mean(axis=0)
+        terms = np.column_stack([held - centre, np.ones(len(held))])
         fitted = np.linalg.lstsq(terms, places, rcond=None)[0]
         matrix = fitted[:2].T
         rest = places - terms @ fitted
         rest[np.abs(rest) < 1e-9 * (1.0 + np.abs(places).max())] = 0.0
-        sharp = _sharp(corners, is_closed)
+        sharp = _sharp(corners, is_closed)[given]
         if is_closed and not sharp[0]:
             if not sharp.any():
-                shifts = (CubicSpline(stations, rest, bc_type="periodic"),)
+                shifts = (CubicSpline(knots, rest, bc_type="periodic"),)
                 return cls(corners, stations, matrix, fitted[2] - matrix @ centre, shifts, stations[[0, -1]])
             # the stretch that goes through the first corner is interpolated over both of its parts
-            first, count = int(np.flatnonzero(sharp)[0]), len(corners) - 1
-            order = np.append((first + np.arange(count)) % count, first)
-            return cls.through(corners[order], places[order])
-        breaks = np.unique([0, *np.flatnonzero(sharp), len(corners) - 1])
-        shifts = tuple(CubicSpline(stations[a : b + 1], rest[a : b + 1]) for a, b in itertools.pairwise(breaks))
-        return cls(corners, stations, matrix, fitted[2] - matrix @ centre, shifts, stations[breaks])
+            first = int(np.flatnonzero(sharp)[0])
+            corners, places = (
+                np.concatenate([each[at:-1], each[: at + 1]]) for each, at in ((corners, given[first]), (places, first))
+            )
+            given = np.append(np.sort((given[:-1] - given[first]) % (len(corners) - 1)), len(corners) - 1)
+            return cls.through(corners, places, given)
+        breaks = np.unique([0, *np.flatnonzero(sharp), len(given) - 1])
+        shifts = tuple(CubicSpline(knots[a : b + 1], rest[a : b + 1]) for a, b in itertools.pairwise(breaks))
+        return cls(corners, stations, matrix, fitted[2] - matrix @ centre, shifts, knots[breaks])
 
     def places(self, printed: Floats) -> Floats:
         """(n, 3) mm, places of printed points (n, 2) on the edges."""

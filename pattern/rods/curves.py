@@ -15,6 +15,7 @@ from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.rods import DrawnLine
 from asterism.pattern.design.section import Point
 from asterism.pattern.geometry.flattening import MAX_PIECE_TURN_RAD, flattened
+from asterism.pattern.geometry.planar import polygon_area
 
 # points of a spline between two given ones, at which its turn is measured
 SPLINE_SAMPLES = 32
@@ -39,12 +40,25 @@ def polyline(line: DrawnLine, curve_mm: float) -> Floats:
     [[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 0.0]]
     """
     if line.circle_mm is not None:
-        points = _arc(line.circle_mm.centre, line.circle_mm.half_axes, 0.0, 2 * np.pi, curve_mm)
+        points = line.circle_mm.at(_angles(line.circle_mm.half_axes, 0.0, 2 * np.pi, curve_mm))
         points[-1] = points[0]
         return points
     if (arc := line.arc_mm) is not None:
         start, end = np.radians([arc.from_deg, arc.to_deg])
-        return _arc(arc.centre, (arc.radius, arc.radius), float(start), float(end), curve_mm)
+        return _arc(arc.centre, arc.radius, float(start), float(end), curve_mm)
+    points, step = _given_points(line)
+    if line.outline_shape == "line_mm":
+        return points
+    curve, knots = _spline(points, step, line.closed)
+    fine = np.unique(np.concatenate([np.linspace(a, b, SPLINE_SAMPLES + 1) for a, b in pairwise(knots)]))
+    out = flattened(curve, fine, curve_mm)
+    if line.closed:
+        out[-1] = out[0]
+    return out
+
+
+def _given_points(line: DrawnLine) -> tuple[Floats, Floats]:
+    """(n, 2) mm, the points that a line passes through, with the first again if it is closed, and their distances."""
     key = line.outline_shape
     points = np.asarray(getattr(line, key), dtype=float)
     if line.closed and np.linalg.norm(points[0] - points[-1]) > SAME_POINT_MM:
@@ -55,26 +69,59 @@ def polyline(line: DrawnLine, curve_mm: float) -> Floats:
         raise DesignError(key, f"has a point twice, at [{place[0]:g}, {place[1]:g}]", place_mm=place)
     if len(points) < 4 and line.closed:
         raise DesignError(key, "must have at least three points to be closed")
-    return points if key == "line_mm" else _spline(points, step, line.closed, curve_mm)
+    return points, step
 
 
-def _arc(centre: Point, half_axes: Point, start: float, end: float, curve_mm: float) -> Floats:
-    """A part of an ellipse between two angles; steps of the angle turn the curve most at the ends of the long axis."""
+def _angles(half_axes: Point, start: float, end: float, curve_mm: float) -> Floats:
+    """(n,) rad, along a part of an ellipse; steps of the angle turn the curve most at the ends of the long axis."""
     short, long = sorted(half_axes)
     largest = min(2 * np.arccos(max(1 - curve_mm / long, 0.0)), MAX_PIECE_TURN_RAD * short / long)
-    angle = np.linspace(start, end, int(np.ceil(abs(end - start) / largest)) + 1)
-    return np.asarray(centre) + np.asarray(half_axes) * np.column_stack([np.cos(angle), np.sin(angle)])
+    return np.linspace(start, end, int(np.ceil(abs(end - start) / largest)) + 1)
 
 
-def _spline(points: Floats, step: Floats, closed: bool, curve_mm: float) -> Floats:
-    """The cubic spline through points over the square root of their distances (centripetal, no loops)."""
+def _arc(centre: Floats | Point, radius: float, start: float, end: float, curve_mm: float) -> Floats:
+    """(n, 2) mm, a part of a circle between two angles."""
+    angle = _angles((radius, radius), start, end, curve_mm)
+    return np.asarray(centre) + radius * np.column_stack([np.cos(angle), np.sin(angle)])
+
+
+def _spline(points: Floats, step: Floats, closed: bool) -> tuple[CubicSpline, Floats]:
+    """The cubic spline through points over the square root of their distances (centripetal, no loops), and knots."""
     knots = np.concatenate([[0.0], np.cumsum(np.sqrt(step))])
-    curve = CubicSpline(knots, points, bc_type="periodic" if closed else "natural")
-    fine = np.unique(np.concatenate([np.linspace(a, b, SPLINE_SAMPLES + 1) for a, b in pairwise(knots)]))
-    out = flattened(curve, fine, curve_mm)
-    if closed:
-        out[-1] = out[0]
-    return out
+    return CubicSpline(knots, points, bc_type="periodic" if closed else "natural"), knots
+
+
+def curved_outline(border: Border, curve_mm: float) -> Floats:
+    """(n, 2) mm, the outline that arcs over the edges of a polygon make, or a spline; the given points are among them.
+
+    Examples
+    --------
+    >>> square = [(-9.0, -9.0), (9.0, -9.0), (9.0, 9.0), (-9.0, 9.0)]
+    >>> curved_outline(Border(polygon_mm=square, bulge_mm=(-1.0, 0.0, 0.0, 0.0)), 0.5).round(3).tolist()
+    [[-9.0, -9.0], [0.0, -8.0], [9.0, -9.0], [9.0, 9.0], [-9.0, 9.0]]
+    """
+    if border.spline_mm is None:
+        return _bent(np.asarray(border.polygon_mm), border.bulge_mm or (), curve_mm)
+    curve, knots = _spline(*_given_points(DrawnLine(spline_mm=border.spline_mm, closed=True)), closed=True)
+    spans = [np.linspace(a, b, SPLINE_SAMPLES + 1) for a, b in pairwise(knots)]
+    return np.concatenate([flattened(curve, span, curve_mm)[:-1] for span in spans])
+
+
+def _bent(corners: Floats, bulges: Sequence[float], curve_mm: float) -> Floats:
+    """The ring (n, 2) mm of a polygon whose edges are arcs; a positive bulge makes the polygon larger."""
+    outward = np.sign(polygon_area(corners))
+    pieces = []
+    for a, b, bulge in zip(corners, np.roll(corners, -1, axis=0), bulges, strict=False):
+        pieces.append(a[None])
+        if abs(bulge) <= curve_mm:
+            continue
+        # the arc turns left by so much about a centre to the left of the edge, or right about one to the right
+        turn = 4.0 * outward * np.arctan(2.0 * bulge / np.linalg.norm(b - a))
+        centre = 0.5 * (a + b) + 0.5 / np.tan(0.5 * turn) * np.array([a[1] - b[1], b[0] - a[0]])
+        x, y = a - centre
+        start = float(np.arctan2(y, x))
+        pieces.append(_arc(centre, float(np.hypot(x, y)), start, start + turn, curve_mm)[1:-1])
+    return np.concatenate(pieces)
 
 
 def hole_rings(border: Border, curve_mm: float) -> list[tuple[str, Floats]]:
@@ -94,7 +141,8 @@ def hole_rings(border: Border, curve_mm: float) -> list[tuple[str, Floats]]:
         try:
             if (key := _LINE_OF_EDGE.get(hole.kind)) is not None:
                 line = DrawnLine.model_validate({key: getattr(hole, hole.kind), "closed": key != "circle_mm"})
-                rings.append((name, polyline(line, curve_mm)[:-1]))
+                ring = polyline(line, curve_mm)[:-1]
+                rings.append((name, ring if hole.bulge_mm is None else _bent(ring, hole.bulge_mm, curve_mm)))
         except DesignError as error:
             raise DesignError(f"{name}.{hole.kind}", error.allowed, place_mm=error.place_mm) from None
         rings += [(name, np.array(ring)) for ring in hole.rings_mm]

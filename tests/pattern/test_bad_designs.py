@@ -13,6 +13,7 @@ GOOD = {"stars": {"length_mm": 10.0}, "border": {"rings": 1}}
 RADIAL = {"profile": "radial", "from": 10, "to": 4, "over_mm": 50}
 SQUARE = {"rectangle_mm": [100, 100]}
 FALLING = {"thickness_mm": [0.4, 0.3], "per_mm": [0.1, 0.1]}
+CORNERS = {"polygon_mm": [[0, 0], [90, 0], [90, 90], [0, 90]]}
 DELETE = b"take it out"  # no design has bytes in it; equal in every test process
 
 
@@ -113,7 +114,7 @@ BAD = [
         "stars.length_mm.distance_mm",
         "by 1e-6 or more",
     ),
-    ([("border.rings", DELETE)], "border", "one of rings, rectangle_mm, polygon_mm, circle_mm and rods"),
+    ([("border.rings", DELETE)], "border", "one of rings, rectangle_mm, polygon_mm, circle_mm, spline_mm and rods"),
     ([("border.rings", 41)], "border.rings", "at most 40"),
     ([("border.star_margin_mm", 5)], "border.star_margin_mm", "not with rings"),
     ([("border", {"rectangle_mm": [100, -5]})], "border.rectangle_mm", "from 1 to 5000"),
@@ -139,6 +140,22 @@ BAD = [
     ([("plastic.modulus_mpa", 3000)], "plastic.modulus_mpa", "use modulus_ratio"),
     ([("border", {"polygon_mm": [[0, 0], [90, 0], [0, 9e9]]})], "border.polygon_mm", "within 5000"),
     ([("border", {"polygon_mm": [[0, 0], [90, 0], [0, float("inf")]]})], "border.polygon_mm[2][1]", "finite"),
+    ([("border", {**CORNERS, "bulge_mm": [1, 2, 3]})], "border.bulge_mm", "4 entries, one for each edge"),
+    ([("border", {**CORNERS, "bulge_mm": [0, 0, -46, 0]})], "border.bulge_mm[2]", "within 45 mm, half the length"),
+    ([("border", {**CORNERS, "bulge_mm": [0, float("nan"), 0, 0]})], "border.bulge_mm[1]", "finite"),
+    (
+        [("border", {**CORNERS, "bulge_mm": [-45, -45, 0, 0]})],
+        "border.bulge_mm",
+        "not cross or touch itself, as at",
+    ),
+    ([("border.bulge_mm", [1, 2, 3])], "border.bulge_mm", "goes with polygon_mm"),
+    ([("border", {"spline_mm": [[0, 0], [90, 0]]})], "border.spline_mm", "at least 3"),
+    ([("border", {"spline_mm": [[0, 0], [90, 0], [0, 9e9]]})], "border.spline_mm", "within 5000"),
+    ([("border", {"spline_mm": [[0, 0], [90, 0], [180, 0]]})], "border.spline_mm", "lie on one line"),
+    ([("border", {"spline_mm": [[0, 0], [90, 0], [0, 90], [0, 0]]})], "border.spline_mm", "repeat"),
+    ([("border", {"spline_mm": [[0, 0], [90, 90], [90, 0], [0, 90]]})], "border.spline_mm", "at [45.000, 45.000]"),
+    ([("border", {"circle_mm": {"radius": [50, 30], "turn_deg": 400}})], "border.circle_mm.turn_deg", "at most 360"),
+    ([("border", {"circle_mm": {"radius": [5010, 3000], "turn_deg": 1}})], "border.circle_mm", "within 5000"),
     ([("border", 3)], "border", "table"),
     ([("lattice.arms", 9)], "lattice.arms", "at most 8"),
     ([("lattice.kind", "hexagonal")], "lattice.kind", "'triangular', 'square' or 'custom'"),
