@@ -4,7 +4,10 @@ export const sum = (a, b) => [a[0] + b[0], a[1] + b[1]];
 export const difference = (a, b) => [a[0] - b[0], a[1] - b[1]];
 export const distance = (a, b) => Math.hypot(a[0] - b[0], a[1] - b[1]);
 export const between = (a, b, share) => [a[0] + share * (b[0] - a[0]), a[1] + share * (b[1] - a[1])];
+export const dot = (a, b) => a[0] * b[0] + a[1] * b[1];
 export const clamp = (value, low, high) => Math.min(Math.max(value, low), high);
+
+const ARC_STEP_RAD = 0.04; // half of the angle of a piece of an arc
 
 /** Weight of a brush at a share of its radius, 1 in the middle. */
 export const falloff = (share) => (1 - share ** 2) ** 2;
@@ -108,12 +111,72 @@ export function crossesItself(polygon) {
   return false;
 }
 
-/** Corners on an ellipse, at equal steps of its angle from `start` on. */
-export function ellipse(centre, [a, b], { count = 72, start = 0 } = {}) {
+/** Unit vector of a direction in degrees. */
+export const direction = (degrees) => [Math.cos((degrees * Math.PI) / 180), Math.sin((degrees * Math.PI) / 180)];
+
+/** Corners on an ellipse, at equal steps of its angle from `start` on; `turn`: of its axes, in degrees. */
+export function ellipse(centre, [a, b], { count = 72, start = 0, turn = 0 } = {}) {
+  const [c, s] = direction(turn);
   return Array.from({ length: count }, (_, k) => {
     const angle = start + (2 * Math.PI * k) / count;
-    return roundPoint([centre[0] + a * Math.cos(angle), centre[1] + b * Math.sin(angle)]);
+    const [x, y] = [a * Math.cos(angle), b * Math.sin(angle)];
+    return roundPoint([centre[0] + c * x - s * y, centre[1] + s * x + c * y]);
   });
+}
+
+/** An edge of a polygon: its middle, half its length, its direction, and the direction out of the polygon. */
+export function edgeOf(corners, k) {
+  const [a, b] = [corners[k], corners[(k + 1) % corners.length]];
+  const half = distance(a, b) / 2;
+  const along = difference(b, a).map((value) => value / (2 * half || 1));
+  const twice = corners.reduce((area, [x, y], j) => area + corners.at(j - 1)[0] * y - corners.at(j - 1)[1] * x, 0);
+  const side = Math.sign(twice); // 1 if counterclockwise
+  return { middle: between(a, b, 0.5), half, along, out: [side * along[1], -side * along[0]] };
+}
+
+/** Points of the arcs over the edges of a polygon, edge by edge without its end; their middles stand out by the bulges. */
+export function arcs(corners, bulges) {
+  return corners.map((corner, k) => {
+    if (!bulges[k]) return [corner];
+    const { middle, half, along, out } = edgeOf(corners, k);
+    const end = 2 * Math.atan(bulges[k] / half); // half of the angle of the arc
+    const radius = half / Math.sin(end);
+    const count = Math.ceil(Math.abs(end) / ARC_STEP_RAD);
+    const points = Array.from({ length: count }, (_, step) => {
+      const angle = end * ((2 * step) / count - 1);
+      const [x, y] = [radius * Math.sin(angle), radius * (Math.cos(angle) - Math.cos(end))];
+      return [0, 1].map((axis) => middle[axis] + x * along[axis] + y * out[axis]);
+    });
+    return points.with(0, corner);
+  });
+}
+
+/**
+ * Points of the smooth closed curve that the server has through points, from each of these to before the next: a cubic
+ * spline over the square roots of their distances.
+ */
+export function smooth(points) {
+  const [count, after] = [points.length, (k) => (k + 1) % points.length];
+  const width = points.map((point, k) => Math.sqrt(distance(point, points[after(k)]) || 1e-9));
+  const slope = points.map((point, k) => difference(points[after(k)], point).map((value) => value / width[k]));
+  const bend = points.map(() => [0, 0]); // second derivatives; each equation has twice the weight at its own
+  for (let sweep = 0; sweep < 30; sweep++) {
+    points.forEach((_, k) => {
+      const before = (k + count - 1) % count;
+      bend[k] = bend[k].map((_, axis) => {
+        const beside = width[before] * bend[before][axis] + width[k] * bend[after(k)][axis];
+        return (6 * (slope[k][axis] - slope[before][axis]) - beside) / (2 * (width[before] + width[k]));
+      });
+    });
+  }
+  const steps = clamp(Math.ceil(1000 / count), 4, 16);
+  return points.map((point, k) =>
+    Array.from({ length: steps }, (_, step) => {
+      const [t, u, next] = [step / steps, 1 - step / steps, after(k)];
+      const droop = (axis) => (u - u ** 3) * bend[k][axis] + (t - t ** 3) * bend[next][axis];
+      return [0, 1].map((axis) => u * point[axis] + t * points[next][axis] - (width[k] ** 2 / 6) * droop(axis));
+    }),
+  );
 }
 
 export const round = (value, digits = 3) => Number(value.toFixed(digits));

@@ -107,7 +107,7 @@ function showHint() {
   ]);
 }
 store.on(["tool"], showTool);
-store.on(["sheet", "sizesOf"], showHint);
+store.on(["sheet", "sizesOf", "hole"], showHint);
 showTool();
 
 // canvases get the colours of the scheme that is used

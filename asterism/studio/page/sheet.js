@@ -86,7 +86,7 @@ export class Sheet {
     this.printer = plan.printer ?? null;
     this.tables = local.pins ?? design.pins ?? [];
     this.pins = (plan.pins ?? []).map((shown, k) =>
-      local.outline && this.tables[k] && !this.tables[k].holes ? { ...shown, edges: heldEdges(this.tables[k], this.outline) } : shown,
+      local.outline && this.tables[k] && !this.tables[k].holes && !(this.tables[k].edges && isCurved(design)) ? { ...shown, edges: heldEdges(this.tables[k], this.outline) } : shown,
     );
     this.directions = armDirections(design.lattice ?? {});
     this.tipMargin = design.border?.tip_margin_mm ?? TIP_MARGIN_MM;
@@ -241,6 +241,9 @@ function leastOf(values) {
   const distance = Math.min(Infinity, ...values);
   return { index: values.indexOf(distance), distance };
 }
+
+/** Whether edges of the outline are curves of many pieces. */
+const isCurved = ({ border }) => Boolean(border?.bulge_mm || border?.spline_mm);
 
 /** Edges that a table holds while the outline is dragged. */
 function heldEdges(table, outline) {

@@ -1,12 +1,14 @@
 // Panel of the outline: regular shapes, corners, circles and holes as numbers, drawing files.
 
-import { curvesOf } from "../border.js";
+import { curvesOf, ofKind } from "../border.js";
+import { edgeOf } from "../geometry.js";
 import { button, counted, follow, h, hint, listItem, part, section, segments, show, wide } from "../dom.js";
 import { fixed, plural } from "../format.js";
 import { regularShape, sizeOf } from "../plan/tools/outline.js";
 import { numberCell, numberField, rebuild } from "./fields.js";
 
 const MAX_LISTED = 16; // corners
+const KINDS = { circle: "Round", polygon: "Corners", spline: "Smooth" };
 
 export function outlinePanel({ store, tools, actions }, { on }) {
   const tool = tools.outline.tool;
@@ -51,22 +53,34 @@ export function outlinePanel({ store, tools, actions }, { on }) {
   function update() {
     const sheet = store.get("sheet");
     if (!sheet) return;
-    const outline = tool.corners();
-    const round = curvesOf(sheet).find(({ hole }) => hole === null);
-    rebuild(list, () => {
-      if (round) return [section(round.axes[0] === round.axes[1] ? "Circle" : "Ellipse"), ...numbers(round, "outline")];
-      const title = counted("Corners", outline.length);
-      if (outline.length <= MAX_LISTED) return [title, outline.map((_, k) => row(outline, k))];
-      const k = store.get("corner");
-      const chosen = k !== null && outline[k] ? row(outline, k) : null;
-      return [title, hint("Select a corner in the plan; its place appears here."), chosen];
-    });
-    rebuild(holes, () => holesPart(curvesOf(sheet).filter(({ hole }) => hole !== null)));
+    const [outline, ...rest] = curvesOf(sheet);
+    rebuild(list, () => [section("Outline"), shapeOf(outline, "outline")]);
+    rebuild(holes, () => holesPart(rest));
   }
-  /** Place and size of a circle, an ellipse, or the place of another hole. */
+  const change = (curve, what) => tool.setCurve(curve, what) || update();
+  /** Kind, place and size of the outline or of a hole, and its corners. */
+  function shapeOf(curve, name) {
+    const kinds = segments({
+      label: "Shape of the edge",
+      testid: `${name}-kind`,
+      options: KINDS,
+      value: curve.kind,
+      onchange: (chosen) => chosen !== curve.kind && change(curve, ofKind(curve, chosen)),
+    });
+    return [kinds, curve.axes || curve.hole !== null ? numbers(curve, name) : null, curve.points ? corners(curve) : null];
+  }
+  function corners(curve) {
+    const { kind, points, hole } = curve;
+    const title = counted(kind === "spline" ? "Points" : "Corners", points.length);
+    const say = kind === "polygon" ? hint("x, y, and how far the middle of the next edge stands out.") : null;
+    if (points.length <= MAX_LISTED) return [title, say, points.map((_, k) => row(curve, k))];
+    const k = hole === store.get("hole") ? store.get("corner") : null;
+    return [title, hint("Select one in the plan; its place appears here."), points[k] ? row(curve, k) : null];
+  }
+  /** Place and size of a circle or an ellipse, or the place of another hole. */
   function numbers(curve, name) {
-    const { centre, axes } = curve;
-    const one = (text, key, value, min, change) =>
+    const { centre, axes, turn } = curve;
+    const one = (text, key, value, min, make, rest = {}) =>
       numberField({
         label: text,
         value,
@@ -75,13 +89,20 @@ export function outlinePanel({ store, tools, actions }, { on }) {
         step: 0.5,
         digits: 2,
         testid: `${name}-${key}`,
-        onchange: (typed) => tool.setCurve(curve, change(typed)) || update(),
+        onchange: (typed) => change(curve, make(typed)),
+        ...rest,
       });
     const placed = (text, axis) =>
       one(text, "xy"[axis], centre[axis], -5000, (value) => ({ centre: centre.with(axis, value) }));
     const sized = (text, axis) =>
       one(text, text.toLowerCase(), 2 * axes[axis], 2, (value) => ({ axes: axes.with(axis, value / 2) }));
-    return [placed("Centre x", 0), placed("Centre y", 1), axes && [sized("Width", 0), sized("Height", 1)]];
+    const turned = { unit: "°", max: 360, step: 5, digits: 1 };
+    return [
+      placed("Centre x", 0),
+      placed("Centre y", 1),
+      axes && [sized("Width", 0), sized("Height", 1)],
+      axes && axes[0] !== axes[1] && one("Turned", "turn", turn, -360, (value) => ({ turn: value }), turned),
+    ];
   }
   function holesPart(curves) {
     const chosen = tool.chosenHole();
@@ -89,7 +110,7 @@ export function outlinePanel({ store, tools, actions }, { on }) {
     return [
       counted("Holes", curves.length, chosen && remove()),
       h("ul.list", curves.map((curve) => item(curve, curve.hole === chosen?.hole))),
-      chosen ? numbers(chosen, "hole") : null,
+      chosen ? shapeOf(chosen, "hole") : null,
       wide("Cut a round hole", "add-hole", () => tool.addHole()),
     ];
   }
@@ -102,22 +123,34 @@ export function outlinePanel({ store, tools, actions }, { on }) {
       testid: `hole-${curve.hole}`,
       onclick: () => store.set({ hole: curve.hole, corner: null }),
     });
-  function row(outline, k) {
-    const cell = (axis) =>
+  function row(curve, k) {
+    const { hole, kind, points, bulges } = curve;
+    const name = hole === null ? `corner-${k}` : `hole-corner-${k}`;
+    const cell = (key, what, value, make, rest = {}) =>
       numberCell({
-        value: fixed(outline[k][axis], 2).replace("−", "-"),
-        "aria-label": `Corner ${k}, ${"xy"[axis]} in mm`,
-        testid: `corner-${k}-${"xy"[axis]}`,
-        onchange: (value) => tool.setCorners(outline.with(k, outline[k].with(axis, value))),
-        onfocus: () => store.set({ corner: k, hole: null }),
+        value: fixed(value, 2).replace("−", "-"),
+        "aria-label": `${what} in mm`,
+        testid: `${name}-${key}`,
+        onchange: (typed) => change(curve, make(typed)),
+        onfocus: () => store.set({ corner: k, hole }),
+        ...rest,
       });
-    const remove = () => (store.set({ corner: k }), tool.removeCorner());
+    const place = (axis) =>
+      cell("xy"[axis], `Corner ${k}, ${"xy"[axis]}`, points[k][axis], (value) => ({
+        points: points.with(k, points[k].with(axis, value)),
+      }));
+    const { half } = edgeOf(points, k);
+    const stands = `Edge ${k}, how far its middle stands out`;
+    const bulge = () =>
+      cell("bulge", stands, bulges[k], (value) => ({ bulges: bulges.with(k, value) }), { title: stands, limits: () => [-half, half] });
+    const remove = () => (store.set({ corner: k, hole }), tool.removeCorner());
     return h("div.row.tight", [
       h("span.number-tag", String(k)),
-      cell(0),
-      cell(1),
+      place(0),
+      place(1),
+      kind === "polygon" ? bulge() : null,
       h("span.unit-tag", "mm"),
-      trash(`Remove corner ${k}`, `remove-corner-${k}`, remove, { disabled: outline.length <= 3 }),
+      trash(`Remove corner ${k}`, `remove-${name}`, remove, { disabled: points.length <= 3 }),
     ]);
   }
   const cut = () => store.get("sheet")?.stars.filter((star) => star.isCut).map((star) => star.key) ?? [];
@@ -130,7 +163,7 @@ export function outlinePanel({ store, tools, actions }, { on }) {
     ];
   });
   on(["sheet", "hole"], update);
-  on(["corner"], () => (store.get("sheet")?.outline.length ?? 0) > MAX_LISTED && update());
+  on(["corner"], () => tool.sheet && (tool.chosen().points?.length ?? 0) > MAX_LISTED && update());
   update();
   return [
     section("Regular shape"),

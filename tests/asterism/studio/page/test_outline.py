@@ -92,8 +92,8 @@ def test_a_shape_with_a_refused_number_is_not_used(page: StudioPage) -> None:
 
 def test_a_corner_is_added_on_an_edge_and_deleted(page: StudioPage) -> None:
     (ax, ay), (bx, by) = outline(page)[:2]
-    middle = ((ax + bx) / 2, (ay + by) / 2)
-    page.changed(lambda: page.drag(middle, (middle[0] - 6, middle[1] - 8)))
+    beside = ((3 * ax + bx) / 4, (3 * ay + by) / 4)  # the middle of the edge bends it
+    page.changed(lambda: page.drag(beside, (beside[0] - 6, beside[1] - 8)))
     assert len(outline(page)) == 7
     page.changed(lambda: page.page.keyboard.press("Delete"))
     assert len(outline(page)) == 6

@@ -1,34 +1,61 @@
-// The outline and holes: drag corners, click an edge to add one, Delete removes; circles and ellipses have handles at
-// their centre and at the ends of their half axes. A drag over the sheet cuts a round hole.
+// The outline and holes: drag corners, click an edge to add one, Delete removes; the middle of an edge bends it. Circles
+// and ellipses have handles at their centre, at the ends of their half axes, and one that turns them. A drag over the
+// sheet cuts a round hole.
 
-import { borderOf, circleOf, curvesOf, holesOf, leavesFabric, withCurve, withHole, withoutHole } from "../../border.js";
-import { clamp, crossesItself, distance, ellipse, isInside, nearestEdge, nearestIndex, roundPoint } from "../../geometry.js";
+import {
+  borderOf,
+  circleOf,
+  curvesOf,
+  fewerPoints,
+  holesOf,
+  middleOf,
+  morePoints,
+  nearestOn,
+  refusalOf,
+  withCurve,
+  withHole,
+  withoutHole,
+} from "../../border.js";
+import {
+  clamp,
+  difference,
+  direction,
+  distance,
+  dot,
+  edgeOf,
+  ellipse,
+  isInside,
+  nearest,
+  round,
+  roundPoint,
+  sum,
+} from "../../geometry.js";
 import { isDelete, signOf } from "../../dom.js";
 import { toast } from "../../panels/toasts.js";
-import { circle, disc, polyline } from "../pen.js";
+import { circle, disc, draw, polyline } from "../pen.js";
 import { PlanTool, snapped } from "./common.js";
-import { fixed } from "../../format.js";
+import { fixed, mm, plural } from "../../format.js";
 
 const GRIP_PX = 12;
 const CLICK_PX = 4;
+const TURN_PX = 26; // from an ellipse to the handle that turns it
+const TURN_STEP_DEG = 5;
+const LEAST_EDGE_PX = 56; // shorter edges on the screen have no handle that bends them
 const LEAST_RADIUS_MM = 2; // of a hole that is drawn
 const MAX_ASPECT = 20; // of the half axes of an ellipse
+const HINTS = {
+  circle: "Drag handles\u00a0· Shift: one axis",
+  polygon: "Drag corners, or the middle of an edge to bend it\u00a0· click an edge to add one",
+  spline: "Drag points\u00a0· click the curve to add one",
+};
 
 /**
- * `drag`: a corner, as {corners, index}; a curve, or a new hole without one, as {curve, part, start, sheet}, with the
- * sheet before. `ghost`: the place of a new corner.
+ * `drag`: {curve, part, index, start, sheet}, with the sheet before; a new hole has no curve. `ghost`: the place of a new
+ * corner.
  */
 export class OutlineTool extends PlanTool {
   get hint() {
-    const isRound = this.sheet?.design.border?.circle_mm;
-    const outline = isRound ? "Drag handles\u00a0· Shift: one axis" : "Drag corners\u00a0· click an edge to add one";
-    return `${outline}\u00a0· drag in the sheet: a hole`;
-  }
-
-  /** Corners of the outline; a circle has none. */
-  corners() {
-    const { design, outline } = this.sheet ?? { outline: [] };
-    return design?.border?.circle_mm ? [] : outline.map((corner) => [...corner]);
+    return `${this.sheet ? HINTS[this.chosen().kind] : ""}\u00a0· drag in the sheet: a hole`;
   }
 
   /** The selected hole, as `curvesOf` has it. */
@@ -37,105 +64,118 @@ export class OutlineTool extends PlanTool {
     return hole === null ? undefined : curvesOf(this.sheet).find((curve) => curve.hole === hole);
   }
 
-  /** Handles of the curves: all of the outline, which is moved at an end, of the selected hole, the centres of others. */
+  /** What has corners to drag: the selected hole, else the outline. */
+  chosen() {
+    return this.chosenHole() ?? curvesOf(this.sheet)[0];
+  }
+
+  /** Handles of the curves: all of the outline, which is moved at an end, and of the selected hole, the centres of others. */
   #handles() {
     return curvesOf(this.sheet).flatMap((curve) => {
-      const { hole, axes } = curve;
-      const [x, y] = curve.centre;
-      const handles = [{ curve, part: "centre", at: hole === null ? [x - axes[0], y] : [x, y] }];
-      if (!axes || (hole !== null && hole !== this.store.get("hole"))) return handles;
-      return [...handles, { curve, part: 0, at: [x + axes[0], y] }, { curve, part: 1, at: [x, y + axes[1]] }];
+      const { hole, kind, centre, axes, turn, points } = curve;
+      const end = (axis, length) => sum(centre, direction(turn + 90 * axis).map((value) => value * length));
+      const middle = { curve, part: "centre", at: hole === null && axes ? end(0, -axes[0]) : centre };
+      if (hole !== null && hole !== this.store.get("hole")) return [middle];
+      if (axes) {
+        const ends = [0, 1].map((axis) => ({ curve, part: axis, at: end(axis, axes[axis]) }));
+        const turned = { curve, part: "turn", at: end(0, axes[0] + this.plan.px(TURN_PX)), from: ends[0].at };
+        return [middle, ...ends, ...(axes[0] === axes[1] ? [] : [turned])];
+      }
+      const corners = points.map((at, index) => ({ curve, part: "point", index, at }));
+      const isLong = (index) => kind === "polygon" && 2 * edgeOf(points, index).half > this.plan.px(LEAST_EDGE_PX);
+      const bends = corners
+        .filter(({ index }) => isLong(index))
+        .map(({ index }) => ({ curve, part: "bulge", index, at: middleOf(curve, index) }));
+      return [...(hole === null ? [] : [middle]), ...bends, ...corners];
     });
   }
 
-  /** A corner, a handle, an edge, or the hole under the pointer. */
+  /** A handle, an edge to add a corner to, or the hole under the pointer. */
   #under(event) {
     const reach = this.plan.px(event.isTouch ? 2 * GRIP_PX : GRIP_PX);
-    const corners = this.corners();
-    const corner = nearestIndex(event.at, corners);
-    if (corner.distance < reach) return { corner: corner.index };
-    const handles = this.#handles();
-    const places = handles.map(({ at }) => at);
-    const handle = nearestIndex(event.at, places);
-    if (handle.distance < reach) return handles[handle.index];
-    const edge = nearestEdge(event.at, corners);
-    if (edge?.distance < reach) return { edge };
-    const curve = curvesOf(this.sheet).find(({ hole, ring }) => hole !== null && isInside(event.at, ring));
+    const handle = nearest(this.#handles().map((one) => ({ ...one, away: distance(event.at, one.at) })), reach);
+    if (handle) return handle;
+    const curves = curvesOf(this.sheet);
+    const edges = curves
+      .filter(({ hole, points }) => points && (hole === null || hole === this.store.get("hole")))
+      .map((curve) => ({ curve, ...nearestOn(curve, event.at) }));
+    const edge = nearest(edges.map((one) => ({ ...one, away: one.distance })), reach);
+    if (edge) return edge;
+    const curve = curves.find(({ hole, ring }) => hole !== null && isInside(event.at, ring));
     return curve ? { curve, part: "centre" } : {};
   }
 
   down(event) {
-    const corners = this.corners();
-    const { corner, edge, curve, part } = this.#under(event);
-    if (corner !== undefined) this.#begin(corners, corner);
-    else if (edge) {
-      corners.splice(edge.edge + 1, 0, roundPoint(edge.point));
-      this.#begin(corners, edge.edge + 1);
-      this.#send();
-    } else {
-      this.store.set({ corner: null, hole: curve?.hole ?? null });
-      this.drag = { curve, part, start: event.at, sheet: this.sheet };
+    const sheet = this.sheet;
+    let { curve, part, index, edge, point } = this.#under(event);
+    if (edge !== undefined) {
+      const more = morePoints(curve, edge, roundPoint(point));
+      this.#refusal(sheet, withCurve(sheet, curve, more), curve.hole);
+      [curve, part, index] = [{ ...curve, ...more }, "point", edge + 1];
     }
-  }
-
-  #begin(corners, index) {
-    this.edits.begin();
-    this.drag = { corners, index };
-    this.store.set({ corner: index, hole: null });
+    this.store.set({ corner: part === "point" ? index : null, hole: curve?.hole ?? null });
+    this.drag = { curve, part, index, start: event.at, sheet };
   }
 
   move(event) {
     if (!this.drag) return;
-    const { corners, index } = this.drag;
-    if (!corners) return this.#moveCurve(event);
-    const { at } = snapped(event, this.plan, { alignTo: corners.toSpliced(index, 1) });
-    const before = corners[index];
-    corners[index] = at;
-    if (crossesItself(corners)) corners[index] = before;
-    else this.#send();
-  }
-
-  #moveCurve(event) {
-    const { curve, part, start, sheet } = this.drag;
+    const { curve, start, sheet } = this.drag;
     if (!this.edits.isOpen && distance(event.at, start) < this.plan.px(CLICK_PX)) return;
-    const points = sheet.stars.map(({ at }) => ({ at, kind: "star" }));
-    const snap = (at, isGrid) => snapped({ ...event, at }, this.plan, isGrid ? {} : { points }).at;
-    if (!curve) {
-      const centre = snap(start);
-      const radius = Math.max(LEAST_RADIUS_MM, Math.round(2 * distance(event.at, centre)) / 2);
-      return this.#change(sheet, withHole(sheet, centre, [radius, radius]), holesOf(sheet).length);
-    }
-    let { centre, axes } = curve;
-    if (part === "centre") centre = snap(centre.map((value, axis) => value + event.at[axis] - start[axis]));
-    else {
-      const [isAlone, other] = [axes[0] !== axes[1] || event.shift, axes[1 - part]];
-      const length = Math.max(1, Math.abs(snap(event.at, true)[part] - centre[part]));
-      axes = isAlone ? axes.with(part, clamp(length, other / MAX_ASPECT, other * MAX_ASPECT)) : [length, length];
-    }
-    this.#change(sheet, withCurve(sheet, curve, { centre, axes }), curve.hole);
+    if (curve) return void this.#refusal(sheet, withCurve(sheet, curve, this.#dragged(event)), curve.hole);
+    const centre = snapped({ ...event, at: start }, this.plan, { points: this.#stars() }).at;
+    const radius = Math.max(LEAST_RADIUS_MM, Math.round(2 * distance(event.at, centre)) / 2);
+    this.#refusal(sheet, withHole(sheet, centre, [radius, radius]), holesOf(sheet).length);
   }
 
-  /** Sends a change of curves if it leaves fabric beside them, and selects its hole. Returns whether it does. */
-  #change(sheet, [changes, local], hole) {
-    if (!leavesFabric(sheet, local)) return false;
+  #stars() {
+    return this.drag.sheet.stars.map(({ at }) => ({ at, kind: "star" }));
+  }
+
+  /** What a drag changes of its curve. */
+  #dragged(event) {
+    const { curve, part, index, start } = this.drag;
+    const { centre, axes, turn, points, bulges } = curve;
+    const snap = (at, options = {}) => snapped({ ...event, at }, this.plan, options).at;
+    const along = (from, way) => snap([dot(difference(event.at, from), way), 0])[0];
+    if (part === "centre") return { centre: snap(sum(centre, difference(event.at, start)), { points: this.#stars() }) };
+    if (part === "point") return { points: points.with(index, snap(event.at, { alignTo: points.toSpliced(index, 1) })) };
+    if (part === "bulge") {
+      const { middle, out } = edgeOf(points, index);
+      return { bulges: bulges.with(index, along(middle, out)) };
+    }
+    if (part === "turn") {
+      const [x, y] = difference(event.at, centre);
+      const step = this.store.get("snap") === event.alt ? 0.1 : TURN_STEP_DEG;
+      return { turn: round(step * Math.round((180 * Math.atan2(y, x)) / Math.PI / step), 1) };
+    }
+    const [isAlone, other] = [axes[0] !== axes[1] || event.shift, axes[1 - part]];
+    const length = Math.max(1, Math.abs(along(centre, direction(turn + 90 * part))));
+    return { axes: isAlone ? axes.with(part, clamp(length, other / MAX_ASPECT, other * MAX_ASPECT)) : [length, length] };
+  }
+
+  /** Sends a change of curves and selects its hole, unless the server would refuse it; returns why then. */
+  #refusal(sheet, [changes, local], hole) {
+    const refusal = refusalOf(sheet, local);
+    if (refusal) return refusal;
     this.edits.begin();
     this.edits.design(changes, local);
     this.store.set({ hole });
-    return true;
+    return null;
   }
 
-  /** The first of some changes, each made when it is tried, that leaves fabric, as one step; the page says if none does. */
+  /** The first of some changes, each made when it is tried, that is not refused, as one step; the page says why if all are. */
   #once(sheet, changes, hole) {
-    const isChanged = changes.some((make) => this.#change(sheet, make(), hole));
+    let refusal;
+    changes.some((make) => !(refusal = this.#refusal(sheet, make(), hole)));
     this.edits.end();
-    if (!isChanged) toast(`No room: a hole needs ${sheet.tipMargin} mm of fabric around it.`, { isBad: true });
-    return isChanged;
+    if (refusal) toast(refusal, { isBad: true });
+    return !refusal;
   }
 
-  /** The outline, or a hole, at another place or with other half axes. */
+  /** The outline, or a hole, with other values of its curve. */
   setCurve(curve, change) {
     const sheet = this.sheet;
-    return this.#once(sheet, [() => withCurve(sheet, curve, { ...curve, ...change })], curve.hole);
+    return this.#once(sheet, [() => withCurve(sheet, curve, change)], curve.hole);
   }
 
   /** A round hole at the star of the keyboard, or as near to the middle of the sheet as there is room. */
@@ -154,17 +194,11 @@ export class OutlineTool extends PlanTool {
     this.store.set({ hole: null, support: null }); // the number of a support may have changed
   }
 
-  #send() {
-    const corners = this.drag.corners.map((corner) => [...corner]);
-    const border = borderOf(this.sheet.design, { polygon_mm: corners.map((corner) => roundPoint(corner)) });
-    this.edits.design({ border }, { outline: corners });
-  }
-
   hover(event) {
     if (!this.sheet) return;
-    const { corner, edge, curve } = this.#under(event);
-    this.ghost = edge?.point ?? null;
-    this.plan.canvas.style.cursor = edge ? "copy" : corner !== undefined || curve ? "move" : "crosshair";
+    const { curve, edge, point } = this.#under(event);
+    this.ghost = edge === undefined ? null : point;
+    this.plan.canvas.style.cursor = this.ghost ? "copy" : curve ? "move" : "crosshair";
     this.plan.invalidate();
   }
 
@@ -180,80 +214,79 @@ export class OutlineTool extends PlanTool {
       return true;
     }
     if (!isDelete(event)) return false;
-    if (hole) this.removeHole();
+    if (hole && corner === null) this.removeHole();
     else this.removeCorner();
     return true;
   }
 
   /** A corner in the middle of the edge after a corner. */
   addCorner(index) {
-    const corners = this.corners();
-    const [one, next] = [corners[index], corners[(index + 1) % corners.length]];
-    if (!one) return false;
-    corners.splice(index + 1, 0, [(one[0] + next[0]) / 2, (one[1] + next[1]) / 2]);
-    this.setCorners(corners);
+    const curve = this.chosen();
+    if (!curve.points?.[index]) return false;
+    this.setCurve(curve, morePoints(curve, index, middleOf(curve, index)));
     this.store.set({ corner: index + 1 });
     return true;
   }
 
   removeCorner() {
-    const corners = this.corners();
+    const curve = this.chosen();
     const index = this.store.get("corner");
-    if (index === null || corners.length <= 3 || !corners[index]) return;
-    corners.splice(index, 1);
-    this.setCorners(corners);
+    if (!curve.points?.[index] || curve.points.length <= 3) return;
+    this.setCurve(curve, fewerPoints(curve, index));
     this.store.set({ corner: null });
   }
 
-  /** Another outline in one step. */
-  setCorners(corners) {
-    this.setBorder({ polygon_mm: corners.map((corner) => roundPoint(corner)) }, corners);
-  }
-
-  setBorder(shape, corners = null) {
+  setBorder(shape) {
     const border = borderOf(this.sheet.design, shape);
-    this.edits.once((edits) => edits.design({ border }, corners ? { outline: corners } : {}));
+    this.edits.once((edits) => edits.design({ border }));
   }
 
   draw(context, plan, colour) {
     const paint = { context, colour };
-    const chosen = this.store.get("corner");
-    context.lineWidth = 2;
-    context.strokeStyle = colour("accent");
-    for (const [k, corner] of this.corners().entries()) {
-      const [x, y] = plan.toScreen(corner);
-      context.fillStyle = colour(k === chosen ? "accent" : "paper");
-      context.fillRect(x - 4.5, y - 4.5, 9, 9);
-      context.strokeRect(x - 4.5, y - 4.5, 9, 9);
-    }
+    const chosen = this.chosen();
+    const corner = this.store.get("corner");
     for (const star of this.sheet.stars.filter(({ isCut }) => isCut)) {
       circle(context, plan, star.at, 0.46 * this.sheet.spacing, { colour: colour("warn"), width: 2, dash: [2, 4] });
     }
-    const hole = this.chosenHole();
-    if (hole) polyline(context, plan, hole.ring, { isClosed: true, colour: colour("accent"), width: 2 });
-    for (const { part, at } of this.#handles()) dot(paint, plan.toScreen(at), part === "centre" ? "accent" : "paper");
-    if (this.ghost) dot(paint, plan.toScreen(this.ghost), "accent");
-    const { corners, index, part: dragged } = this.drag ?? {};
-    const place = (at) => `${at.map((value) => fixed(value)).join(", ")} mm`;
-    if (corners) {
-      drawCross(paint, plan, corners[index]);
-      this.say(paint, place(corners[index]), corners[index]);
-    } else if (this.drag && this.edits.isOpen) {
-      const curve = curvesOf(this.sheet).find((one) => one.hole === this.store.get("hole"));
-      if (curve) this.say(paint, dragged === "centre" ? place(curve.centre) : sizeOf(curve), curve.centre);
+    if (chosen.hole !== null) polyline(context, plan, chosen.ring, { isClosed: true, colour: colour("accent"), width: 2 });
+    for (const { curve, part, index, at, from } of this.#handles()) {
+      const isChosen = part === "centre" || (part === "point" && index === corner && curve.hole === chosen.hole);
+      if (from) polyline(context, plan, [from, at], { colour: colour("accent"), width: 1 });
+      if (part === "point") square(paint, plan.toScreen(at), isChosen ? "accent" : "paper");
+      else dotAt(paint, plan.toScreen(at), isChosen ? "accent" : "paper", part === "bulge" ? 4 : 5);
     }
+    if (this.ghost) dotAt(paint, plan.toScreen(this.ghost), "accent");
+    if (!this.drag || !this.edits.isOpen) return;
+    const { part, index } = this.drag;
+    const isDragged = (one) => one.curve.hole === chosen.hole && one.part === part && one.index === index;
+    const { at } = this.#handles().find(isDragged) ?? { at: chosen.centre };
+    const place = ([x, y]) => `${fixed(x)}, ${fixed(y)} mm`;
+    const said = {
+      point: () => place(at),
+      centre: () => place(chosen.centre),
+      bulge: () => mm(chosen.bulges[index]),
+      turn: () => `${fixed(chosen.turn)}°`,
+    };
+    if (part === "point") drawCross(paint, plan, at);
+    this.say(paint, said[part]?.() ?? sizeOf(chosen), at);
   }
 }
 
 /** The size of a curve in a few words. */
-export function sizeOf({ axes, ring }) {
-  if (!axes) return `${ring.length} corners`;
+export function sizeOf({ axes, kind, points }) {
+  if (!axes) return plural(points.length, kind === "spline" ? "point" : "corner");
   const [width, height] = axes.map((value) => fixed(2 * value));
   return width === height ? `⌀ ${width} mm` : `${width} × ${height} mm`;
 }
 
-function dot({ context, colour }, place, fill) {
-  disc(context, place, 5, { fill: colour(fill), colour: colour("accent"), width: 2 });
+function dotAt({ context, colour }, place, fill, radius = 5) {
+  disc(context, place, radius, { fill: colour(fill), colour: colour("accent"), width: 2 });
+}
+
+function square({ context, colour }, [x, y], fill) {
+  context.beginPath();
+  context.rect(x - 4.5, y - 4.5, 9, 9);
+  draw(context, { fill: colour(fill), colour: colour("accent"), width: 2 });
 }
 
 /** Lines through a place, for the eye. */
