@@ -45,7 +45,7 @@ const LEAST_RADIUS_MM = 2; // of a hole that is drawn
 const MAX_ASPECT = 20; // of the half axes of an ellipse
 const HINTS = {
   circle: "Drag handles\u00a0· Shift: one axis",
-  polygon: "Drag corners, or the middle of an edge to bend it\u00a0· click an edge to add one",
+  polygon: "Drag corners, bend edges at their middle\u00a0· click an edge to add one",
   spline: "Drag points\u00a0· click the curve to add one",
 };
 
