@@ -137,7 +137,7 @@ export function withCurve(sheet, curve, change) {
   const now = { ...curve, ...change };
   if (now.kind !== "circle") {
     const step = difference(roundPoint(now.centre), curve.centre);
-    now.points = now.points.map((point) => roundPoint(change.centre ? sum(point, step) : point, 4));
+    now.points = now.points.map((point) => roundPoint(change.centre ? sum(point, step) : point));
     const within = (half, bulge) => round(clamp(bulge, -half, half));
     now.bulges = now.bulges.map((bulge, k) => within(edgeOf(now.points, k).half, bulge));
   }
