@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-import subprocess
 import sys
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -21,8 +19,6 @@ from asterism.studio import frames
 from asterism.studio.sheet_frames import RIBBON_MM, STATIONS
 from tests.asterism.sheets import dome, sheet
 from tests.asterism.studio.flat_frames import unpack
-
-ROOT = Path(__file__).parents[3]
 
 
 def small(name: str = "dome") -> Design:
@@ -47,7 +43,7 @@ def height(traits: dict[str, Any]) -> float:
     return float(np.ptp(drawn(traits)[2]["positions"][:, 2]))
 
 
-def test_a_preview_is_shown_on_its_mesh_with_arms_and_needles(preview: asterism.Preview) -> None:
+def test_a_preview_is_shown_on_its_mesh_with_arms_needles_and_numbers(preview: asterism.Preview) -> None:
     shape = preview.shape()
     mesh, header, arrays = drawn(shape_traits(shape))
     np.testing.assert_allclose(arrays["positions"], shape.positions, atol=1e-4)
@@ -58,6 +54,9 @@ def test_a_preview_is_shown_on_its_mesh_with_arms_and_needles(preview: asterism.
     assert len(tips) > 6 and np.abs(tips[:, 2]).max() < 1e-3  # the border of the dome stands on the ground
     assert header["height_mm"] == pytest.approx(shape.height_mm)
     assert all(np.isfinite(arrays[name]).all() for name in ("curvature", "strain"))
+    known = dict(shape_traits(shape)["panel"]["figures"])
+    assert known["Height"] == f"{shape.height_mm:.1f} mm" and known["Computed"] == "by the preview"
+    assert known["Estimated error"].startswith(f"± {shape.summary['expected_rms_percent']:.1f} %")
 
 
 def test_strains_and_curvatures_are_those_of_the_live_view(preview: asterism.Preview) -> None:
@@ -70,7 +69,7 @@ def test_strains_and_curvatures_are_those_of_the_live_view(preview: asterism.Pre
             assert abs(np.percentile(by_shape[name], share) - np.percentile(live[name], share)) < 0.1 * spread, name
 
 
-def test_a_free_exact_shape_stands_upright_on_the_ground(tmp_path: Path) -> None:
+def test_a_free_exact_shape_stands_upright_on_the_ground() -> None:
     bowl = sheet(dome, edge=4.0)
     turned = np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
     lying = asterism.Shape(**{**vars(bowl), "positions": bowl.positions @ turned.T})
@@ -99,13 +98,6 @@ def test_drawn_rods_are_shown_as_the_arms_of_stars_are() -> None:
     count = int(np.ceil(2 * np.pi * 20 / RIBBON_MM))
     assert arrays["arms"].shape == (count, STATIONS, 3, 3) and len(mesh["arm_site"]) == count
     assert len(arrays["strain"]) == len(shape.printed)
-
-
-def test_the_panel_tells_the_numbers_of_the_shape(preview: asterism.Preview) -> None:
-    shape = preview.shape()
-    known = dict(shape_traits(shape)["panel"]["figures"])
-    assert known["Height"] == f"{shape.height_mm:.1f} mm" and known["Computed"] == "by the preview"
-    assert known["Estimated error"].startswith(f"± {shape.summary['expected_rms_percent']:.1f} %")
 
 
 def test_sliders_change_the_preview_as_an_edit_of_the_design_does(preview: asterism.Preview) -> None:
@@ -190,18 +182,11 @@ def test_other_arguments_are_refused_in_one_line(preview: asterism.Preview) -> N
         asterism.show(preview.shape(), sliders=["length"])
 
 
-@pytest.mark.slow
-def test_without_anywidget_one_line_names_the_extra() -> None:
-    program = (
-        "import sys; sys.modules['anywidget'] = None\n"
-        "import asterism\n"
-        "try:\n    asterism.show(asterism.Preview(asterism.new('star')))\n"
-        "except asterism.Error as error:\n    print(error)\n"
-    )
-    told = subprocess.run([sys.executable, "-c", program], cwd=ROOT, capture_output=True, text=True, check=True).stdout
-    assert (
-        told == "asterism.show needs the package anywidget, which the extra notebook installs: pip install anywidget\n"
-    )
+def test_without_anywidget_one_line_names_the_extra(preview: asterism.Preview, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "anywidget", None)
+    monkeypatch.delitem(sys.modules, "asterism.notebook.widget")
+    with pytest.raises(asterism.Error, match="needs the package anywidget, which the extra notebook installs"):
+        asterism.show(preview)
 
 
 def sources(text: str) -> dict[str, str]:
@@ -212,21 +197,18 @@ def sources(text: str) -> dict[str, str]:
 
 
 def test_a_module_comes_after_those_that_it_imports_and_once() -> None:
+    several = "import {\n  c,\n  d as e,\n}"
     files = {
-        "a/main.js": 'import { b } from "./b.js";\nimport {\n  c,\n  d as e,\n} from "../c.js";\n',
+        "a/main.js": f'import {{ b }} from "./b.js";\n{several} from "../c.js";\nimport s from "./s.css";\n',
+        "a/s.css": 'a { content: "\\2013"; }\n',
         "a/b.js": 'import { c } from "../c.js";\nexport const b = c;\n',
         "c.js": "export const c = 1;\nexport const d = 2;\n",
     }
     made = sources(module_text(files, "a/main.js"))
-    assert list(made) == ["c.js", "a/b.js", "a/main.js"]
-    assert re.findall(rf'"{MARK}([^"]+)"', made["a/main.js"]) == ["a/b.js", "c.js"]
+    assert list(made) == ["c.js", "a/b.js", "a/s.css", "a/main.js"]
+    assert re.findall(rf'"{MARK}([^"]+)"', made["a/main.js"]) == ["a/b.js", "c.js", "a/s.css"]
     assert made["c.js"] == files["c.js"]
-
-
-def test_a_style_sheet_is_a_module_with_its_text() -> None:
-    style = 'a { content: "\\2013"; }\n'
-    made = sources(module_text({"a.js": 'import style from "./a.css";\n', "a.css": style}, "a.js"))
-    assert made["a.css"] == f"export default {json.dumps(style)};\n"
+    assert made["a/s.css"] == f"export default {json.dumps(files['a/s.css'])};\n"  # a module with the text
 
 
 def test_the_widget_holds_the_files_of_the_studio_and_no_import_is_left() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from base64 import b64encode
 from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import Any
 
 import pytest
@@ -11,6 +12,9 @@ import pytest
 import asterism
 from asterism.notebook.live_sheet import LiveSheet, Traits, shape_traits
 from asterism.notebook.widget import widget_module
+from asterism.pattern.design.design import Design
+
+pytestmark = pytest.mark.slow
 
 ADDRESS = "http://127.0.0.1:9/"
 VIEWPORT = {"width": 900, "height": 700}
@@ -71,15 +75,32 @@ COVERED = """(k) => {
 }"""
 
 
+DESIGN = Design.from_dict(asterism.new("dome").to_dict() | {"border": {"rings": 1}})
+
+
 @pytest.fixture(scope="module")
 def preview() -> asterism.Preview:
-    return asterism.Preview(asterism.new("dome"))
+    return asterism.Preview(DESIGN)
 
 
 @pytest.fixture
 def page(browser: Any) -> Iterator[Any]:
+    with empty_page(browser) as page:
+        yield page
+
+
+@pytest.fixture(scope="module")
+def still(browser: Any, preview: asterism.Preview) -> Iterator[Any]:
+    """A page with a shape that does not change."""
+    with empty_page(browser) as page:
+        show(page, shape_traits(preview.shape()))
+        yield page
+
+
+@contextmanager
+def empty_page(browser: Any) -> Iterator[Any]:
     """An empty page; afterwards it may not have complained, nor asked for anything."""
-    context = browser.new_context(viewport=VIEWPORT)
+    context = browser.new_context(viewport=VIEWPORT, device_scale_factor=0.5)
     page = context.new_page()
     complaints: list[str] = []
     page.on("console", lambda message: complaints.append(message.text) if message.type == "error" else None)
@@ -115,50 +136,47 @@ def settled(page: Any) -> None:
     )
 
 
-@pytest.mark.slow
-def test_a_shape_is_drawn_with_its_arms_and_colours(page: Any, preview: asterism.Preview) -> None:
-    show(page, shape_traits(preview.shape()))
-    assert page.locator("canvas").first.bounding_box()["height"] == 300
-    covered, dark = page.evaluate(COVERED, 0)
+def test_a_shape_is_drawn_with_its_arms_and_colours(still: Any) -> None:
+    assert still.locator("canvas").first.bounding_box()["height"] == 300
+    covered, dark = still.evaluate(COVERED, 0)
     assert 0.15 < covered < 0.9 and 0.01 < dark < 0.3
-    page.get_by_test_id("arms").uncheck()
-    assert page.evaluate(COVERED, 0)[1] < 0.5 * dark
-    assert page.get_by_test_id("legend").is_hidden()
-    page.get_by_test_id("colour").select_option("height")
-    assert "Height, mm" in page.get_by_test_id("legend").inner_text()
-    assert "by the preview" in page.get_by_test_id("figures").inner_text()
-    options = page.get_by_test_id("colour").locator("option").all_inner_texts()
+    still.get_by_test_id("arms").uncheck()
+    assert still.evaluate(COVERED, 0)[1] < 0.5 * dark
+    assert still.get_by_test_id("legend").is_hidden()
+    still.get_by_test_id("colour").select_option("height")
+    assert "Height, mm" in still.get_by_test_id("legend").inner_text()
+    assert "by the preview" in still.get_by_test_id("figures").inner_text()
+    options = still.get_by_test_id("colour").locator("option").all_inner_texts()
     assert options == ["Plain sheet", "Height", "Curvature", "Strain"]
 
 
-@pytest.mark.slow
-def test_the_sheet_turns_and_the_wheel_zooms_after_a_click(page: Any, preview: asterism.Preview) -> None:
-    show(page, shape_traits(preview.shape()))
+def test_the_sheet_turns_and_the_wheel_zooms_after_a_click(still: Any) -> None:
     camera = (
         "(() => { const { turn, distance } = document.querySelector('.asterism-sheet').sheet.view.camera;"
         " return [turn, distance]; })()"
     )
-    turn, distance = page.evaluate(camera)
-    box = page.get_by_test_id("view").bounding_box()
+    turn, distance = still.evaluate(camera)
+    box = still.get_by_test_id("view").bounding_box()
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
-    page.mouse.move(x, y)
+    still.mouse.move(x, y)
     # the browser gives wheel events on by a way of their own: this one must not come after the click
-    page.evaluate("void (window.turns = 0, addEventListener('wheel', () => (turns += 1), { capture: true }))")
-    page.mouse.wheel(0, -300)
-    page.wait_for_function("turns > 0")
-    page.mouse.down()
-    page.mouse.move(x + 60, y, steps=3)
-    page.mouse.up()
-    turned, same = page.evaluate(camera)
+    still.evaluate("void (window.turns = 0, addEventListener('wheel', () => (turns += 1), { capture: true }))")
+    still.mouse.wheel(0, -300)
+    still.wait_for_function("turns > 0")
+    still.mouse.down()
+    still.mouse.move(x + 60, y, steps=3)
+    still.mouse.up()
+    turned, same = still.evaluate(camera)
     assert turned < turn - 0.2 and same == distance
-    page.mouse.wheel(0, -300)
-    page.wait_for_function(f"{camera}[1] < {distance - 1}")
-    page.keyboard.press("f")
-    page.wait_for_function(f"{camera}[1] > {0.8 * distance}")
+    still.mouse.wheel(0, -300)
+    still.wait_for_function(f"{camera}[1] < {distance - 1}")
+    still.keyboard.press("f")
+    still.wait_for_function(f"{camera}[1] > {0.8 * distance}")
 
 
-@pytest.mark.slow
-def test_a_slider_changes_the_sheet_and_every_picture_of_it(page: Any, preview: asterism.Preview) -> None:
+def test_a_slider_changes_every_picture_of_the_sheet_by_the_newest_request(
+    page: Any, preview: asterism.Preview
+) -> None:
     live = LiveSheet(preview, ["thickness", "stretch"])
     show(page, live.opening(), live, places=2)
     before = page.get_by_test_id("figures").first.inner_text()
@@ -172,21 +190,8 @@ def test_a_slider_changes_the_sheet_and_every_picture_of_it(page: Any, preview: 
     for place in (0, 1):
         assert page.get_by_test_id("figures").nth(place).inner_text() != before
         assert page.get_by_test_id("thickness").nth(place).input_value() == "1.1"
-    page.get_by_test_id("reset").last.click()
-    settled(page)
-    assert preview.design == asterism.new("dome")
-    page.wait_for_function(
-        "document.querySelectorAll('.asterism-sheet')[0].sheet.store.get('frame').stage === 'equilibrium'"
-    )
-    assert page.get_by_test_id("figures").first.inner_text() == before
-    page.evaluate("ends.forEach((end) => end())")
-    assert page.evaluate("Object.values(model.listeners).flat().length") == 1  # that of the flow of requests
-
-
-@pytest.mark.slow
-def test_the_newest_of_waiting_requests_wins(page: Any, preview: asterism.Preview) -> None:
-    live = LiveSheet(preview, ["thickness"])
-    show(page, live.opening(), live)
+    # the newest of waiting requests wins
+    page.evaluate("void (window.begun = model.requests.length)")
     page.evaluate(
         """() => {
           const root = document.querySelector(".asterism-sheet").shadowRoot;
@@ -199,23 +204,31 @@ def test_the_newest_of_waiting_requests_wins(page: Any, preview: asterism.Previe
         }"""
     )
     settled(page)
-    requests = page.evaluate("model.requests.map(({ values, is_dragging }) => [values.thickness, is_dragging])")
+    requests = page.evaluate(
+        "model.requests.slice(begun).map(({ values, is_dragging }) => [values.thickness, is_dragging])"
+    )
     assert requests == [[1.02, True], [1.08, False]]
-    list(live.answer({"seq": 99, "values": {}, "is_dragging": True}))
+    page.get_by_test_id("reset").last.click()
+    settled(page)
+    assert preview.design == DESIGN
+    page.wait_for_function(
+        "document.querySelectorAll('.asterism-sheet')[0].sheet.store.get('frame').stage === 'equilibrium'"
+    )
+    assert page.get_by_test_id("figures").first.inner_text() == before
+    page.evaluate("ends.forEach((end) => end())")
+    assert page.evaluate("Object.values(model.listeners).flat().length") == 1  # that of the flow of requests
 
 
-@pytest.mark.slow
-def test_a_refused_request_is_told_and_light_text_makes_it_dark(page: Any, preview: asterism.Preview) -> None:
-    show(page, shape_traits(preview.shape()))
+def test_a_refused_request_is_told_and_light_text_makes_it_dark(still: Any) -> None:
     colour = (
         "getComputedStyle(document.querySelector('.asterism-sheet').shadowRoot.querySelector('.frame')).backgroundColor"
     )
-    light = page.evaluate(colour)
-    page.evaluate("document.body.style.color = 'rgb(230, 230, 230)'")
-    page.wait_for_function(f"{colour} !== '{light}'")
-    page.evaluate(
+    light = still.evaluate(colour)
+    still.evaluate("document.body.style.color = 'rgb(230, 230, 230)'")
+    still.wait_for_function(f"{colour} !== '{light}'")
+    still.evaluate(
         "model.take({ panel: { ...model.get('panel'), problem: 'stars: too thin.', warnings: ['the sheet curls'] } })"
     )
-    notes = page.get_by_test_id("notes")
+    notes = still.get_by_test_id("notes")
     assert "stars: too thin. The last good shape is shown." in notes.inner_text()
     assert "Warnings: 1" in notes.inner_text()

@@ -43,13 +43,6 @@ def browser_path() -> str:
 
 
 @contextmanager
-def running_studio(folder: Path) -> Iterator[str]:
-    """Address of a studio that serves a folder; it is ended by Ctrl-C."""
-    with studio_process(folder) as (_, url):
-        yield url
-
-
-@contextmanager
 def studio_process(folder: Path) -> Iterator[tuple[subprocess.Popen[str], str]]:
     """A studio that serves a folder, and its address; it is ended by Ctrl-C."""
     command = [sys.executable, "-m", "asterism", "studio", "--no-browser"]
@@ -181,7 +174,7 @@ class StudioPage:
             self.item("remove-target").click()
             self.wait("!studio.target")
         self.upload("load-target", path)
-        self.wait(f"studio.ghost > 0 && studio.target?.is_fitted && {IS_MEASURED}")
+        self.wait(f"(!studio.camera || studio.ghost > 0) && studio.target?.is_fitted && {IS_MEASURED}")
 
     def changed(self, act: Callable[[], Any]) -> None:
         """Do something that changes the document, and wait for the shape."""

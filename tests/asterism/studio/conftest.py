@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import anyio
+import numpy as np
 import pytest
 from starlette.testclient import TestClient
 
@@ -79,6 +80,7 @@ class Page:
             if message.get("bytes"):
                 frame_kind, header, arrays = unpack(message["bytes"])
                 if frame_kind != frames.MESH:
+                    assert all(np.isfinite(array).all() for array in arrays.values())
                     self.send(type="ack", frame=header["frame"])
                 data = {"type": {1: "mesh", 2: "shape", 3: "comparison"}[frame_kind], **header, **arrays}
             else:

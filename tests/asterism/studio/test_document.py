@@ -165,7 +165,7 @@ def test_unusual_texts_are_written_anew_rather_than_wrong(text: str):
     assert tomllib.loads(edited_text(text, changed)) == changed
 
 
-def test_json_files_are_edited_and_autosaved(tmp_path: Path):
+def test_json_files_are_edited_autosaved_and_saved_under_another_name(tmp_path: Path):
     path = tmp_path / "dome.json"
     path.write_text(json.dumps(read_table(gallery.path("dome"))), encoding="utf-8")
     original = path.read_bytes()
@@ -179,33 +179,10 @@ def test_json_files_are_edited_and_autosaved(tmp_path: Path):
     document.undo()
     document.save()
     assert path.read_bytes() == original
-
-
-def test_saving_under_another_name_goes_on_with_that_file(tmp_path: Path):
-    path = tmp_path / "dome.toml"
-    path.write_bytes(gallery.path("dome").read_bytes())
-    document = Document.open(path)
     document.change({"name": "copy"})
-    document.save(tmp_path / "copy.json")
-    assert document.path.name == "copy.json" and document.is_saved
-    assert load_design(tmp_path / "copy.json").name == "copy"
-    assert path.read_bytes() == gallery.path("dome").read_bytes()
-
-
-def test_unsaved_work_is_never_written_over(tmp_path: Path):
-    path = tmp_path / "dome.toml"
-    path.write_bytes(gallery.path("dome").read_bytes())
-    earlier = Document.open(path)
-    earlier.change({"name": "earlier"})
-    earlier.keep_work()
-    later = Document.open(path)
-    later.change({"name": "later"})
-    later.keep_work()
-    kept = [read_table(file)["name"] for file in sorted(tmp_path.glob(".dome.*"))]
-    assert sorted(kept) == ["earlier", "later"]
-    later.autosave.forget(None)
-    later.save()
-    assert list(tmp_path.glob(".dome.*")) == []
+    document.save(tmp_path / "copy.toml")
+    assert document.path.name == "copy.toml" and document.is_saved
+    assert load_design(tmp_path / "copy.toml").name == "copy" and path.read_bytes() == original
 
 
 def test_a_sheet_that_was_never_saved_is_offered_and_keeps_its_name(tmp_path: Path):

@@ -7,14 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from starlette.testclient import TestClient
 
 from asterism.pattern.design.errors import DesignError
 from asterism.studio.document import Document
 from asterism.studio.drawing import Drawings, UploadError, read_drawing, with_drawing
 from asterism.studio.requests import PlaceDrawing
-from tests.asterism.studio.conftest import HOST, TOKEN, Page
-from tests.asterism.studio.test_uploads import SQUARE, dxf
+from tests.asterism.studio.test_uploads import dxf
 
 SVG = """<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="60mm" viewBox="0 0 100 60">
 <g id="cut" fill="none" stroke="black" stroke-width="0.1">
@@ -83,15 +81,6 @@ def test_the_pattern_that_is_there_can_stay(document: Document, tmp_path: Path) 
     assert document.table == table
 
 
-def test_loose_lines_of_a_cad_program_are_an_outline(document: Document, tmp_path: Path) -> None:
-    def loose(space: Any) -> None:
-        for start, end in zip(SQUARE, SQUARE[1:] + SQUARE[:1], strict=True):
-            space.add_line(end, start)
-
-    placed(document, tmp_path, "a.dxf", dxf(loose), layers={"0": {"use": "outline"}})
-    assert np.ptp(document.layout.outline, axis=0) == pytest.approx([100.0, 60.0])
-
-
 @pytest.mark.parametrize(
     "layers, problem",
     [
@@ -128,43 +117,6 @@ def test_supports_that_another_outline_does_not_reach_are_left_out_with_a_line(t
     assert placed_table["pins"] == [{"points_mm": [(0, 0), (-30, -15)], "target_mm": [(0, 0, 1), (9, 9, 4)]}, pins[3]]
     assert note == "4 supports of the former outline are left out; Undo brings the former sheet back."
     assert with_drawing({**table, "pins": pins[3:]}, drawing, request, np.zeros((0, 2)))[1] == ""
-
-
-@pytest.mark.slow
-def test_a_page_sends_a_drawing_answers_for_its_unit_and_places_it(client: TestClient, page: Page) -> None:
-    def draw(space: Any) -> None:
-        space.add_line((-2, 0), (2, 0), dxfattribs={"layer": "ribs"})
-        for invisible in (0, 1):
-            space.add_text("a", dxfattribs={"invisible": invisible})
-
-    content = dxf(draw, unit=0)
-    headers = {"origin": f"http://{HOST}", "x-name": "ribs.dxf"}
-    asked = client.post(f"/{TOKEN}/upload?kind=drawing", content=content, headers=headers).json()
-    assert asked["units"] == ["mm", "cm", "in", "px", "pt"]
-    told = client.post(f"/{TOKEN}/upload?kind=drawing&units=cm", content=content, headers=headers).json()["drawing"]
-    assert told["name"] == "ribs.dxf" and told["size_mm"] == [40.0, 0.0]
-    assert told["left_out"] == "2 texts"
-    (layer,) = told["layers"]
-    assert layer["name"] == "ribs" and layer["count"] == 1 and layer["widths_mm"] is None and not layer["has_rings"]
-    page.until("document")
-    page.send(type="drawing", gesture=1, drawing=told["number"], layers={"ribs": {"use": "rods"}})
-    shown = page.until("document", gesture=1)
-    assert [drawing["file"] for drawing in shown["design"]["rods"]["import"]] == ["ribs.dxf"]
-    assert "lines" not in shown["design"]["rods"]["import"][0]  # pages draw the plan
-    page.send(type="drawing", gesture=2, drawing=77, layers={"ribs": {"use": "rods"}})
-    assert "choose its file again" in page.until("problem")["text"]
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    "name, content",
-    [("a.svg", b"<svg"), ("a.dxf", b"AutoCAD Binary DXF\r\n\x1a\x00" + b"\xff" * 100), ("a.png", b"x")],
-)
-def test_files_that_are_no_drawing_are_refused_in_one_line(client: TestClient, name: str, content: bytes) -> None:
-    headers = {"origin": f"http://{HOST}", "x-name": name}
-    answer = client.post(f"/{TOKEN}/upload?kind=drawing", content=content, headers=headers)
-    text = answer.json()["problem"]["text"]
-    assert answer.status_code == 422 and text.startswith(f"{name}: ") and "\n" not in text and "upload" not in text
 
 
 @pytest.mark.parametrize("key", ["rods.import", "border", "border.file"])

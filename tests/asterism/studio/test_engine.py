@@ -19,11 +19,15 @@ from asterism.studio.messages import Busy, Edit, Frame, Limits, Rested
 from tests.asterism.studio.engine_pipe import EnginePipe, table
 
 
-def test_the_first_edit_gives_a_mesh_a_shape_and_the_limits(engine: EnginePipe) -> None:
+def test_the_first_edit_gives_signs_of_life_a_mesh_the_preview_and_the_limits(
+    engine: EnginePipe, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("asterism.studio.inbox.SIGN_EVERY_S", 0.0)
     engine.send(Edit(1, table()))
     frame = engine.frame(1)
     mesh = frame.mesh_arrays
     (limits,) = [answer for answer in engine.answers if isinstance(answer, Limits)]
+    assert any(isinstance(answer, Busy) and answer.seq == 1 for answer in engine.answers)
     assert frame.is_minimum and frame.snapshot is not None
     count, arms = len(mesh["printed"]), len(mesh["arm_site"])
     assert frame.arrays["positions"].shape == (count, 3)
@@ -33,11 +37,7 @@ def test_the_first_edit_gives_a_mesh_a_shape_and_the_limits(engine: EnginePipe) 
     assert mesh["triangles"].max() < count and mesh["outline"].shape == (len(set(mesh["outline"].ravel().tolist())), 2)
     assert set(limits.stretches) == {1.35, 1.75} and limits.law["width_mm"] == (0.8, 1.6)
 
-
-def test_the_shown_sheet_is_the_preview(engine: EnginePipe) -> None:
-    engine.send(Edit(1, table()))
-    frame = engine.frame(1)
-    printed = frame.mesh_arrays["printed"]
+    printed = mesh["printed"]
     design = asterism.Design.from_dict(table())
     preview = asterism.Preview(design)
     inside = np.abs(printed).max(axis=1) < 40.0
@@ -109,19 +109,23 @@ def test_a_drag_ends_with_the_shape_of_its_last_edit(engine: EnginePipe) -> None
 
 @pytest.mark.slow
 def test_another_stretch_is_learned(engine: EnginePipe) -> None:
-    engine.send(Edit(1, table()))
+    even = {"stars": {"length_mm": 8.0}, "border": {"rings": 1}, "pins": [{"where": "border", "scale": 0.8}]}
+    engine.send(Edit(1, even))
     engine.frame(1)
-    engine.send(Edit(2, table(fabric={"stretch": 1.5})))
+    even = even | {"fabric": {"stretch": 1.5}}
+    engine.send(Edit(2, even))
     frame = engine.frame(2)
     limits = [answer for answer in engine.answers if isinstance(answer, Limits)][-1]
     assert limits.seq == 2 and limits.stretches == (1.35, 1.75) and limits.law == {}
-    own = asterism.preview(asterism.Design.from_dict(table(fabric={"stretch": 1.5})))
+    own = asterism.preview(asterism.Design.from_dict(even))
     rise = np.ptp(frame.arrays["positions"][:, 2])
     assert frame.is_minimum and rise == pytest.approx(own.height_mm, rel=0.1)
 
 
 @pytest.mark.slow
-def test_an_error_leaves_the_old_shape(engine: EnginePipe) -> None:
+def test_an_error_leaves_the_old_shape_and_is_no_end(engine: EnginePipe) -> None:
+    engine.send(Edit(0, table(stars={"length_mm": 40.0})))
+    assert engine.problem(0).kind == "design"
     engine.send(Edit(1, table()))
     before = engine.frame(1)
     mistakes: list[tuple[dict[str, Any], str]] = [
@@ -145,31 +149,6 @@ def test_stars_without_a_law_are_left_to_the_exact_model(engine: EnginePipe) -> 
     assert len(frame.arrays["arms"]) and not frame.arrays["positions"][:, 2].any()
     engine.send(Edit(2, table()))
     assert engine.frame(2).is_minimum
-
-
-def test_an_error_of_the_first_edit_is_no_end(engine: EnginePipe) -> None:
-    engine.send(Edit(1, table(stars={"length_mm": 40.0})))
-    assert engine.problem(1).kind == "design"
-    engine.send(Edit(2, table()))
-    assert engine.frame(2).is_minimum
-
-
-def test_removed_stars_have_no_arms(engine: EnginePipe) -> None:
-    engine.send(Edit(1, table()))
-    engine.frame(1)
-    engine.send(Edit(2, table(), removed=np.array([[0, 0]])))
-    frame = engine.frame(2)
-    arm_site = engine.meshes()[frame.mesh]["arm_site"]
-    assert 0 not in arm_site and len(frame.arrays["arms"]) == len(arm_site) == 36 * 3
-    engine.send(Edit(3, table()))
-    assert len(engine.frame(3).arrays["arms"]) == 37 * 3
-
-
-def test_long_work_gives_signs_of_life(engine: EnginePipe, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("asterism.studio.inbox.SIGN_EVERY_S", 0.0)
-    engine.send(Edit(1, table()))
-    engine.frame(1)
-    assert any(isinstance(answer, Busy) and answer.seq == 1 for answer in engine.answers)
 
 
 def test_a_step_without_end_is_one_that_takes_too_much_processor_time() -> None:
@@ -207,14 +186,16 @@ def test_work_that_takes_too_long_is_given_up(engine: EnginePipe, monkeypatch: p
     assert engine.frame(3).arrays["positions"] == pytest.approx(before.arrays["positions"], abs=1e-4)
 
 
-def test_a_sheet_without_stars_is_flat_and_released(engine: EnginePipe) -> None:
+def test_removed_stars_have_no_arms_and_a_sheet_without_stars_is_flat_and_released(engine: EnginePipe) -> None:
     engine.send(Edit(1, table(stars={"length_mm": 0.0})))
     blank = engine.frame(1, "exact")
     outline = layout(asterism.Design.from_dict(table())).outline
     assert np.ptp(blank.arrays["positions"], axis=0) == pytest.approx([*np.ptp(outline, axis=0) / 1.35, 0.0], rel=1e-5)
     assert blank.is_minimum and len(blank.arrays["arms"]) == 0 and "no stars" in engine.summary(1).warnings[0].text
-    engine.send(Edit(2, table()))
-    assert len(engine.frame(2).arrays["arms"]) == 37 * 3
+    engine.send(Edit(2, table(), removed=np.array([[0, 0]])))
+    frame = engine.frame(2)
+    arm_site = engine.meshes()[frame.mesh]["arm_site"]
+    assert 0 not in arm_site and len(frame.arrays["arms"]) == len(arm_site) == 36 * 3
     engine.send(Edit(3, table(), removed=layout(asterism.Design.from_dict(table())).sheet_sites))
     assert len(engine.frame(3, "exact").arrays["arms"]) == 0
     engine.send(Edit(4, table()))

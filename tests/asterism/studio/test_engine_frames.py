@@ -92,21 +92,3 @@ def test_a_view_that_follows_strokes_shows_what_a_new_one_shows(
         one, other = (each.frame(preview, 1, "linear", stage.x).arrays for each in (view, fresh))
         for name in ARRAYS:
             assert one[name] == pytest.approx(other[name], abs=2e-5), name  # numbers of 4 bytes
-
-
-@pytest.mark.slow
-def test_a_view_shows_each_of_the_designs_of_one_outline_whichever_was_shown_before() -> None:
-    designs = [Design.from_dict({**DESIGN.to_dict(), "stars": {"length_mm": length}}) for length in (6.0, 7.5, 9.0)]
-    previews = [Preview(design, plain_law()) for design in designs]
-
-    def height_mm(view: SheetView, preview: Preview) -> float:
-        assert view.shows(preview)
-        view.stand_up(preview)
-        return view.frame(preview, 0, "equilibrium").height_mm
-
-    # the mesh is that of the first design
-    alone = [height_mm(SheetView(previews[0], is_fine=False), preview) for preview in previews]
-    assert min(abs(np.diff(alone))) > 0.01 * max(alone)
-    view = SheetView(previews[0], is_fine=False)
-    for number in (0, 1, 2, 1, 0, 2):
-        assert height_mm(view, previews[number]) == pytest.approx(alone[number], rel=1e-6)

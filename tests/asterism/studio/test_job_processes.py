@@ -9,9 +9,8 @@ import numpy as np
 import pytest
 
 import asterism
-from asterism.pattern.design.design import Design
 from asterism.studio.job_processes import run_fit, run_verification
-from asterism.studio.messages import Fitted, JobProgress, Settled, StudioProblem, Surface
+from asterism.studio.messages import JobProgress, Settled, StudioProblem, Surface
 from asterism.verification.run import STAGES
 from tests.asterism.fitting.surfaces import spherical_cap
 
@@ -73,24 +72,6 @@ def test_what_cannot_be_verified_is_a_problem(tmp_path: Path, changes: dict[str,
     problem = pipe.messages[-1]
     assert isinstance(problem, StudioProblem) and (problem.seq, problem.kind) == (1, kind)
     assert not (tmp_path / "out").exists()
-
-
-@pytest.mark.slow
-def test_a_fit_sends_progress_and_a_design() -> None:
-    vertices, triangles = spherical_cap(30.0, 84.0)
-    sent = Sent()
-    run_fit(sent, 7, Surface(vertices + 300.0, triangles), "cap", "auto", "ultimaker2")
-    *progress, last = sent.messages
-    assert all(isinstance(message, JobProgress) and message.job == 7 for message in progress)
-    assert any("% of the diameter" in message.stage for message in progress)
-    assert isinstance(last, Fitted) and last.job == 7
-    design = Design.from_dict(last.table)
-    assert design.stars.rounding is not None and len(design.pins) == 1
-    # the needles stand on the target in its pose
-    placed = (vertices + 300.0) @ last.rotation.T + last.shift
-    for place in np.asarray(last.table["pins"][0]["target_mm"]):
-        assert np.linalg.norm(placed - place, axis=1).min() < 3.0
-    assert "design" not in last.summary and last.summary["preview"]["mean_percent"] < 1.0
 
 
 def test_a_target_without_a_design_is_one_line() -> None:

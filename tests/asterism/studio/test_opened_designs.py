@@ -10,12 +10,12 @@ from starlette.testclient import TestClient
 
 from asterism.pattern import gallery
 from asterism.studio import jobs
-from asterism.studio.messages import Edit, Parts
+from asterism.studio.messages import Edit
 from asterism.studio.studio import Studio
 from tests.asterism.studio.conftest import HOST, TOKEN, Page
 from tests.asterism.studio.flat_frames import flat_frame
 from tests.asterism.studio.quick_engines import GATE
-from tests.asterism.studio.test_target import ROOF, send_roof
+from tests.asterism.studio.test_target import ROOF
 
 
 def last_edit(studio: Studio) -> Edit:
@@ -93,21 +93,6 @@ def test_what_a_page_asks_for_a_design_is_refused_when_another_one_is_open(
     page.send(type="save", name="star", over=True, document=cone["number"])
     page.until("saved")
     assert other.read_bytes() == gallery.path("cone").read_bytes()
-
-
-@pytest.mark.slow
-def test_target_and_kept_designs_go_with_their_design(client: TestClient, page: Page, studio: Studio) -> None:
-    page.until("shape")
-    send_roof(client)
-    page.send(type="keep", slot="A")
-    while page.until("state")["slots"]["A"] is None:
-        pass
-    page.send(type="open", gallery="cone")
-    page.until("document", name="cone")
-    state = page.until("state")
-    assert state["target"] is None and set(state["slots"].values()) == {None}
-    parts = [each for each in studio.engine.link.edits if isinstance(each, Parts)]  # type: ignore[attr-defined]
-    assert parts[-1].target is None
 
 
 @pytest.mark.slow

@@ -12,7 +12,7 @@ from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.sizing.profiles import LinearProfile, PictureProfile
 from asterism.pattern.layout.build import layout
 from asterism.studio.document import Document
-from asterism.studio.painted_field import STEP_MM, Brush, PaintedField
+from asterism.studio.painted_field import Brush, PaintedField
 from asterism.studio.requests import RequestError, read_request
 
 OUTLINE = np.array([[-20.0, -10.0], [30.0, -10.0], [30.0, 15.0], [-20.0, 15.0]])
@@ -83,11 +83,7 @@ def test_a_field_begins_with_the_profile_that_is_there() -> None:
     assert field.values.ravel() == pytest.approx(profile.at(field.places))
     again = PaintedField.of(picture(field), OUTLINE)
     assert np.abs(again.values - field.values).max() <= 0.5 * 0.5 / 255 + 1e-4
-
-
-def test_large_sheets_have_at_most_256_values_a_side() -> None:
-    assert PaintedField.of(0.4, 20.0 * OUTLINE).values.shape == (256, 256)
-    assert STEP_MM == 1.0
+    assert PaintedField.of(0.4, 20.0 * OUTLINE).values.shape == (256, 256)  # at most
 
 
 def test_a_stroke_is_one_step_of_undo_and_its_dabs_are_not_rounded_in_between(grid: Document) -> None:

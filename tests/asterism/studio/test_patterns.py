@@ -87,36 +87,27 @@ def test_a_pattern_without_a_preview_is_left_to_the_exact_model(engine: EnginePi
 
 
 @pytest.mark.slow
-def test_a_motif_rises_while_its_sizes_are_edited(engine: EnginePipe, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(preview_session, "serving_law", lambda design, plan, known, say: net_law(design, known, say))
-    engine.send(Edit(1, net().to_dict()))
-    frame = engine.frame(1)
-    (limits,) = [answer for answer in engine.answers if isinstance(answer, Limits)]
-    assert not limits.law and not limits.stretches  # a motif has cells where its sizes are
-    assert frame.is_minimum and frame.height_mm > 1.0
-    assert len(frame.arrays["arms"]) == len(frame.mesh_arrays["arm_site"]) > 20
-    summary = engine.summary(1)
-    assert summary.numbers["expected_rms_percent"] > 0.0
-    engine.send(Edit(2, net(0.5).to_dict()))
-    linear, final = engine.frame(2, "linear"), engine.frame(2)
-    assert linear.mesh == final.mesh and final.height_mm != pytest.approx(frame.height_mm, rel=1e-3)
-
-
-@pytest.mark.slow
-def test_a_sheet_rises_around_a_held_hole_whose_size_is_edited(
+def test_a_motif_rises_around_a_held_hole_while_its_sizes_are_edited(
     engine: EnginePipe, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(preview_session, "serving_law", lambda design, plan, known, say: net_law(design, known, say))
 
-    def holed(radius: float) -> dict[str, Any]:
+    def holed(radius: float, *thickness: float) -> dict[str, Any]:
         border = {"rectangle_mm": (40.0, 40.0), "holes": [{"circle_mm": {"centre": (0.0, 0.0), "radius": radius}}]}
-        return net(border=border, pins=[{"holes": [0], "scale": 0.9}]).to_dict()
+        return net(*thickness, border=border, pins=[{"holes": [0], "scale": 0.9}]).to_dict()
 
     engine.send(Edit(1, holed(9.0)))
     frame = engine.frame(1)
-    assert frame.is_minimum and len(frame.arrays["needles"]) >= 1
-    engine.send(Edit(2, holed(8.0)))
-    engine.frame(2)
+    (limits,) = [answer for answer in engine.answers if isinstance(answer, Limits)]
+    assert not limits.law and not limits.stretches  # a motif has cells where its sizes are
+    assert frame.is_minimum and frame.height_mm > 1.0 and len(frame.arrays["needles"]) >= 1
+    assert len(frame.arrays["arms"]) == len(frame.mesh_arrays["arm_site"]) > 20
+    assert engine.summary(1).numbers["expected_rms_percent"] > 0.0
+    engine.send(Edit(2, holed(9.0, 0.5)))
+    linear, final = engine.frame(2, "linear"), engine.frame(2)
+    assert linear.mesh == final.mesh and final.height_mm != pytest.approx(frame.height_mm, rel=1e-3)
+    engine.send(Edit(3, holed(8.0)))
+    engine.frame(3)
     (first, *_, last) = engine.meshes().values()
     away = [float(np.linalg.norm(mesh["printed"], axis=1).min()) for mesh in (first, last)]
     assert away == pytest.approx([9.0, 8.0], abs=0.1)

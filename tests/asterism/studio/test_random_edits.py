@@ -32,7 +32,8 @@ CHANGES: list[dict[str, Any]] = [
     {"pins": [{"where": "border", "scale": 0.72}]},
     {"pins": [{"where": "border", "scale": 0.78}]},
     {"pins": [{"where": "corners", "scale": 0.8}]},
-    {"fabric.stretch": 1.5},
+    {"pins": [{"points_mm": [[30, 0], [-30, 9], [0, -30]], "target_mm": [[24, 0, 9], [-24, 7, -5], [0, -24, 0]]}]},
+    {"border": {"polygon_mm": [[-50, -40], [45, -40], [52, 30], [0, 44], [-50, 40]]}},
     {"fabric.stretch": 1.75},
     {"stars.length_mm": {"formula": "9 - abs(x)/15"}},
     {"stars.length_mm": {"formula": "9 - "}},
@@ -64,7 +65,8 @@ def random_messages(random: np.random.Generator, gesture: int) -> list[dict[str,
         case 8:
             return [{"type": "redo"}]
         case _:
-            return [{"type": "flip"}] if random.random() < 0.3 else [{"type": str(random.choice(["cancel", "stop"]))}]
+            command = str(random.choice(["flip", "form", "cancel", "stop"]))
+            return [{"type": command, "index": int(random.integers(2))} if command == "form" else {"type": command}]
 
 
 @pytest.mark.slow

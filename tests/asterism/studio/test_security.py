@@ -16,6 +16,7 @@ from asterism.studio.requests import MAX_REQUEST_BYTES
 from asterism.studio.studio import Studio
 from asterism.studio.uploads import MAX_UPLOAD_BYTES
 from tests.asterism.studio.conftest import HOST, TOKEN, Page
+from tests.asterism.studio.test_uploads import dxf
 
 LIVE = f"ws://{HOST}/{TOKEN}/live"
 ORIGIN = {"origin": f"http://{HOST}"}
@@ -31,30 +32,26 @@ def test_a_wrong_token_or_none_reaches_nothing(client: TestClient):
 
 
 def test_another_host_is_refused(client: TestClient):
-    for host in ("evil.example", "evil.example:7000", "127.0.0.1", "127.0.0.1:7001", f"{HOST}.evil.example", ""):
-        assert client.get(f"/{TOKEN}/", headers={"host": host}).status_code == 403, host
-        with (
-            pytest.raises(WebSocketDisconnect),
-            client.websocket_connect(LIVE, headers={**ORIGIN, "host": host}),
-        ):
+    for host in ("evil.example", "127.0.0.1", "127.0.0.1:7001", f"{HOST}.evil.example", ""):
+        headers = {**ORIGIN, "host": host}
+        assert client.get(f"/{TOKEN}/", headers=headers).status_code == 403, host
+        with pytest.raises(WebSocketDisconnect), client.websocket_connect(LIVE, headers=headers):
             pass
 
 
-def test_a_live_connection_of_another_page_without_an_origin_or_with_a_wrong_token_is_refused(
-    client: TestClient, studio: Studio
-):
+def test_another_page_is_refused(client: TestClient, studio: Studio):
     others = ("http://evil.example", "null", "", f"https://{HOST}", f"http://{HOST}.evil.example", "http://127.0.0.1")
     refused: list[tuple[str, dict[str, str]]] = [(LIVE, {"origin": origin}) for origin in others]
     for path, headers in [*refused, (LIVE, {}), (f"ws://{HOST}/wrong/live", ORIGIN), (f"ws://{HOST}/live", ORIGIN)]:
         with pytest.raises(WebSocketDisconnect), client.websocket_connect(path, headers=headers):
             pass
     assert len(studio.tabs) == 0
-
-
-def test_uploads_and_reads_of_another_page_are_refused(client: TestClient):
-    assert client.post(f"/{TOKEN}/upload?kind=image", content=b"x", headers=STRANGER).status_code == 403
-    assert client.post(f"/{TOKEN}/upload?kind=image", content=b"x").status_code == 403
+    upload = f"/{TOKEN}/upload?kind=image"
+    assert client.post(upload, content=b"x", headers=STRANGER).status_code == 403
+    assert client.post(upload, content=b"x").status_code == 403
     assert client.get(f"/{TOKEN}/file/dome.toml", headers=STRANGER).status_code == 403
+    for kind in ("", "law", "image&kind=exe"):
+        assert client.post(f"/{TOKEN}/upload?kind={kind}", content=b"x", headers=ORIGIN).status_code == 404
 
 
 def test_files_can_only_be_read(client: TestClient, folder: Path):
@@ -67,20 +64,15 @@ def test_files_can_only_be_read(client: TestClient, folder: Path):
 TRAVERSALS = [
     "../secret.toml",
     "..%2fsecret.toml",
-    "%2e%2e/secret.toml",
     "%2e%2e%2fsecret.toml",
     "..%5csecret.toml",
     "sub/../../secret.toml",
-    "sub%2f..%2f..%2fsecret.toml",
     "//etc/passwd",
-    "%2fetc%2fpasswd",
     "C:%5cWindows%5cwin.ini",
     "link.toml",
     "link/secret.toml",
     ".hidden.toml",
-    "sub/.hidden.toml",
     "dome.toml%00.png",
-    "dome.toml/",
     "a" * 5000,
     "",
     "sub",
@@ -166,16 +158,12 @@ def test_uploads_that_are_too_large_are_refused_before_they_are_read(client: Tes
 
 
 UNREADABLE = [
-    ("image", "a.png", b"no picture"),
-    ("image", "", b""),
     ("image", "../../x.png", b"\x89PNG\r\n\x1a\n" + b"\0" * 100),
     ("outline", "a.svg", b"<svg"),
-    ("outline", "a.dxf", b"\0\1\2"),
-    ("outline", "a.exe", b"MZ"),
-    ("target", "a.obj", b"v 0 0"),
+    ("outline", "a.dxf", dxf(lambda space: space.add_line((0, 0), (10, 0)))),  # open
+    ("drawing", "a.dxf", b"AutoCAD Binary DXF\r\n\x1a\x00" + b"\xff" * 100),
+    ("drawing", "a.png", b"x"),
     ("target", "a.obj", b"v 0 0 0\nv 1 0 0\nv 0 1 0\n"),
-    ("target", "a.stl", b"\0" * 84 + b"\xff" * 40),
-    ("target", "a.exe", b"MZ"),
     ("outline", "a.svg", b'<!DOCTYPE x [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;">]><svg>&b;</svg>'),
     ("outline", "a.svg", b'<!DOCTYPE x [<!ENTITY a SYSTEM "file:///etc/passwd">]><svg>&a;</svg>'),
 ]
@@ -187,56 +175,31 @@ def test_uploads_that_cannot_be_read_are_refused_in_one_line(client: TestClient)
         answer = client.post(f"/{TOKEN}/upload?kind={kind}", content=content, headers={**ORIGIN, "x-name": name})
         assert answer.status_code == 422, (kind, name, content)
         text = answer.json()["problem"]["text"]
-        assert text and "\n" not in text and "root:" not in text and "tmp" not in text, (kind, name, content)
-
-
-def test_uploads_of_other_kinds_are_refused(client: TestClient):
-    for kind in ("", "law", "image&kind=exe"):
-        assert client.post(f"/{TOKEN}/upload?kind={kind}", content=b"x", headers=ORIGIN).status_code == 404
+        assert text and not any(word in text for word in ("\n", "root:", "tmp", "upload")), (kind, name, content)
 
 
 NONSENSE = [
     "",
     "{",
-    "nonsense",
-    "[]",
     "null",
-    "1e999",
-    '"hello"',
-    "{}",
-    '{"type": 1}',
     '{"type": "shutdown"}',
-    '{"type": "__class__"}',
-    '{"type": "ack"}',
-    '{"type": "ack", "frame": -1}',
     '{"type": "ack", "frame": 1e400}',
     '{"type": "ack", "frame": ' + "9" * 5000 + "}",
-    '{"type": "sizes", "sites": [[0]], "length": [1]}',
     '{"type": "sizes", "sites": [[0, 0]], "length": [1, 2]}',
     '{"type": "sizes", "sites": [[0, 0]], "length": [NaN]}',
-    '{"type": "sizes", "sites": [[0, 0]], "length": ["long"]}',
-    '{"type": "sizes", "sites": [[0, 0]], "length": [1e308]}',
     '{"type": "sizes", "sites": [[1e9, 0]], "length": [5]}',
-    '{"type": "edit", "changes": []}',
-    '{"type": "edit", "changes": {"fabric": 3}}',
     '{"type": "edit", "changes": {"fabric.stretch": NaN}}',
     '{"type": "edit", "changes": {"fabric.stretch.deep.deeper": 1}}',
     '{"type": "edit", "changes": {"stars": null}}',
     '{"type": "edit", "changes": {"stars.override": [{"site": [1, 2, 3]}]}}',
-    '{"type": "edit", "changes": {"stars.override": 7}}',
     '{"type": "edit", "changes": {"border.polygon_mm": [[0, 0], [1e300, 0], [0, 1e300]]}}',
     '{"type": "edit", "changes": {"stars.length_mm": {"formula": "__import__(\'os\').system(\'true\')"}}}',
     '{"type": "edit", "changes": {"stars.length_mm": {"formula": "9**9**9**9"}}}',
     '{"type": "edit", "changes": {"name": "half a character \\ud800"}}',
     '{"type": "edit", "changes": {"a": ' + "[" * 50_000 + "]" * 50_000 + "}}",
     "[" * 200_000,
-    '{"type": "keep", "slot": "D"}',
-    '{"type": "form", "index": -1}',
     '{"type": "open", "gallery": "../dome"}',
-    '{"type": "open", "gallery": "nothing"}',
-    '{"type": "open"}',
     '{"type": "printer", "name": "/etc/passwd"}',
-    '{"type": "export", "printer": "/etc/passwd"}',
     '{"type": "export", "printer": "../x", "plastic": "y"}',
     '{"type": "export", "directory": "/tmp"}',
 ]
@@ -244,21 +207,13 @@ NONSENSE = [
 
 def test_messages_without_meaning_get_a_problem_and_change_nothing(page: Page, studio: Studio):
     before = page.until("document")
-    for text in NONSENSE:
-        page.send_text(text)
+    for text in (*NONSENSE, b"\0" * 1000):
+        page._socket.send_bytes(text) if isinstance(text, bytes) else page.send_text(text)
         problem = page.until("problem")
         assert problem["text"] and "\n" not in problem["text"] and len(problem["text"]) < 2000, text[:40]
         page.send(type="hello")
         assert page.until("document")["design"] == before["design"], text[:40]
         assert studio.jobs.data() == {}, text[:40]
-
-
-def test_binary_messages_get_a_problem(page: Page, client: TestClient):
-    page.until("document")
-    page._socket.send_bytes(b"\0" * 1000)
-    page.until("problem")
-    page.send(type="hello")
-    page.until("document")
 
 
 def test_a_message_that_is_too_large_is_refused(page: Page):

@@ -81,16 +81,6 @@ def test_a_sheet_that_cannot_be_laid_out_takes_the_whole_gesture_back(page: Page
     assert page.until("document")["design"] == before["design"]
 
 
-def test_a_second_page_shows_the_same(page: Page, client, studio: Studio):
-    page.until("document")
-    page.send(type="sizes", gesture=1, sites=[[0, 0]], length=[5.0])
-    changed = page.until("document", can_undo=True)
-    with client.websocket_connect(
-        "ws://127.0.0.1:7000/a-token-of-the-tests/live", headers={"origin": "http://127.0.0.1:7000"}
-    ) as socket:
-        assert Page(socket).until("document")["design"] == changed["design"]
-
-
 def test_a_file_that_changes_on_disk_is_followed(page: Page, folder: Path):
     page.until("document")
     text = (folder / "dome.toml").read_text().replace("to = 4.0", "to = 5.0")
@@ -100,19 +90,6 @@ def test_a_file_that_changes_on_disk_is_followed(page: Page, folder: Path):
     assert followed["design"]["stars"]["length_mm"]["to"] == 5.0 and followed["saved"] and followed["can_undo"]
     (folder / "dome.toml").write_text(text.replace("rings = 3", "rings = -3"))
     assert page.until("problem")["field"] == "border.rings"
-
-
-def test_unsaved_work_of_a_former_session_is_offered(folder: Path, studio: Studio):
-    document = studio.document
-    document.paint([(0, 0)], {"length_mm": [5.5]}, None)
-    document.keep_work()
-    again = Studio(folder, folder / "dome.toml").document
-    assert again.autosave.kept and again.is_saved
-    again.recover()
-    assert again.table == document.table and not again.is_saved
-    again.keep_work()
-    again.save()
-    assert again.autosave.path is None and not (folder / ".dome.autosave-2.toml").exists()
 
 
 def test_the_last_states_can_be_seen_and_shown_again(page: Page, folder: Path):
@@ -133,19 +110,6 @@ def test_the_last_states_can_be_seen_and_shown_again(page: Page, folder: Path):
     assert page.until("document", revision=first["revision"])["can_redo"]
     page.send(type="go", position=99)
     assert not page.until("document", gesture=2)["can_redo"]
-
-
-def test_slots_keep_designs(page: Page):
-    page.until("document")
-    page.send(type="show", slot="A")
-    assert "A" in page.until("problem")["text"]
-    page.send(type="keep", slot="A")
-    while page.until("state")["slots"]["A"] is None:
-        pass
-    page.send(type="sizes", gesture=1, sites=[[0, 0]], length=[5.0])
-    page.until("document", can_undo=True)
-    page.send(type="show", slot="A")
-    assert "override" not in page.until("document", gesture=1, saved=False)["design"]["stars"]
 
 
 def test_stars_given_by_number_and_place_can_be_painted(folder: Path):
@@ -172,21 +136,6 @@ def test_a_file_that_was_changed_on_the_disk_is_written_over_only_on_request(pag
     page.send(type="save", over=True)
     page.until("saved")
     assert len(load_design(file).stars.override) == 1
-
-
-def test_another_design_is_written_over_only_on_request(page: Page, folder: Path):
-    other = folder / "star.toml"
-    text = gallery.path("star").read_text(encoding="utf-8")
-    other.write_text(text, encoding="utf-8")
-    page.until("document")
-    page.send(type="save", name="star", seq=7)
-    assert page.until("problem", seq=7)["kind"] == "file exists"
-    assert other.read_text(encoding="utf-8") == text
-    page.send(type="save", name="star", over=True)
-    page.until("saved")
-    page.send(type="save")
-    page.until("saved")
-    assert other.read_bytes() == gallery.path("dome").read_bytes()
 
 
 def test_the_last_star_stays_and_the_page_says_why(page: Page):
