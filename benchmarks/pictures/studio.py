@@ -16,7 +16,7 @@ from PIL import Image
 from playwright.sync_api import sync_playwright
 
 from benchmarks.report import PICTURES
-from tests.asterism.studio.browser import ARGUMENTS, VIEWPORT, StudioPage, browser_path, running_studio
+from tests.asterism.studio.browser import ARGUMENTS, VIEWPORT, StudioPage, browser_path, studio_process
 
 STROKE = ((-24.0, -8.0), (-8.0, 10.0), (6.0, 14.0), (20.0, 8.0))  # of the brush, in printed mm
 VERIFY_S = 600.0
@@ -34,7 +34,7 @@ def opened() -> Iterator[StudioPage]:
         folder.mkdir()
         os.environ["HOME"] = room  # the pictures name no folder of this machine
         browser = driver.chromium.launch(executable_path=browser_path(), args=list(ARGUMENTS))
-        with running_studio(folder) as url:
+        with studio_process(folder) as (_, url):
             page = StudioPage(browser.new_context(viewport=VIEWPORT, reduced_motion="reduce").new_page(), url)
             page.wait("document.querySelector('[data-testid=gallery-dome]')")
             page.wait("[...document.querySelectorAll('#start img')].every((image) => image.complete)")

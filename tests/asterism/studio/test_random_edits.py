@@ -18,7 +18,7 @@ from asterism.studio.server import application
 from asterism.studio.studio import Studio
 from tests.asterism.studio.conftest import HOST, TOKEN, Page
 
-EDITS = int(os.environ.get("ASTERISM_RANDOM_EDITS", "200"))
+EDITS = int(os.environ.get("ASTERISM_RANDOM_EDITS", "120"))
 # Seconds for one answer of the server, and for the engine to come to rest, on a machine with other work.
 ANSWER_S = 3.0
 REST_S = 60.0

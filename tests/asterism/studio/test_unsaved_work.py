@@ -73,26 +73,6 @@ def test_each_session_keeps_its_own_work(folder: Path) -> None:
     assert len(autosaves(folder / "dome.toml")) == 2
 
 
-def test_all_earlier_work_is_offered_until_it_is_dropped(page: Page, studio: Studio, folder: Path) -> None:
-    document = studio.document
-    assert document is not None
-    for name in ("one", "two", "three"):
-        edited(folder / "dome.toml", name)
-    page.send(type="open", name="dome.toml")
-    kept = page.until("document", number=document.number + 4)["kept_work"]
-    assert len(kept) == 3 and all(each["time"] > 0 for each in kept)
-    page.send(type="kept")
-    states = page.until("kept")["states"]
-    assert [state["name"] for state in states] == [each["name"] for each in kept] and len(states[0]["at_mm"]) == 37
-    page.send(type="discard", name=".dome.autosave.toml")
-    page.until("document")
-    page.send(type="recover", name=".dome.autosave-2.toml")
-    shown = page.until("document", can_undo=True)
-    assert shown["design"]["name"] == "two" and [each["name"] for each in shown["kept_work"]] == [
-        ".dome.autosave-3.toml"
-    ]
-
-
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no named pipes")
 def test_what_cannot_be_read_in_place_of_a_file_is_named(folder: Path) -> None:
     (folder / ".dome.autosave.toml").write_text(".".join(3000 * "a") + " = 1")

@@ -2,17 +2,15 @@
 
 from __future__ import annotations
 
-from io import BytesIO, StringIO
+from io import StringIO
 from typing import Any
 
 import ezdxf
 import numpy as np
 import pytest
-from PIL import Image
 from starlette.testclient import TestClient
 
-from asterism.pattern.design.design import Design
-from tests.asterism.studio.conftest import HOST, TOKEN, Page
+from tests.asterism.studio.conftest import HOST, TOKEN
 
 ORIGIN = {"origin": f"http://{HOST}"}
 SQUARE = [(10.0, 20.0), (110.0, 20.0), (110.0, 80.0), (10.0, 80.0)]
@@ -57,18 +55,3 @@ def test_an_outline_in_svg_or_dxf_is_centred(client: TestClient):
     corners = np.array(sent(client, "outline", "a.dxf", content)["border"]["polygon_mm"])
     np.testing.assert_allclose(np.hypot(*corners.T), 50.8, atol=0.05)
     assert 20 < len(corners) < 200
-
-
-@pytest.mark.slow
-def test_a_grey_picture_becomes_a_profile(client: TestClient, page: Page):
-    out = BytesIO()
-    Image.fromarray(np.tile(np.linspace(0, 255, 40), (20, 1)).astype(np.uint8)).save(out, "PNG")
-    value = sent(client, "image", "sk%C3%A4tch.png", out.getvalue())["value"]
-    assert value["image"] == "skätch.png" and value["pixels"] == [40, 20]
-    profile = {**value, "low": 5.0, "high": 9.0, "extent_mm": [100.0, 90.0]}
-    design = Design.from_dict({"stars": {"length_mm": profile, "thickness_mm": 0.3}, "border": {"rings": 2}})
-    assert design.to_dict()["stars"]["length_mm"]["grey"] == value["grey"]
-    page.until("document")
-    page.send(type="edit", gesture=1, changes={"stars.length_mm": profile})
-    lengths = [site["sizes_mm"][0] for site in page.until("document", gesture=1)["plan"]["sites"]]
-    assert min(lengths) < 6.0 and max(lengths) > 8.0

@@ -6,10 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from starlette.testclient import TestClient
 
 from asterism.fitting.target import TargetSurface
-from asterism.studio import jobs
 from asterism.studio.document import Document
 from asterism.studio.messages import Edit
 from asterism.studio.requests import RequestError
@@ -17,7 +15,6 @@ from asterism.studio.star_sizes import weights_by_site
 from asterism.studio.studio import Studio
 from asterism.studio.target import Target, sheet_weights
 from tests.asterism.studio.conftest import Page
-from tests.asterism.studio.test_target import send_roof
 
 
 def weights(page: Page) -> dict[tuple[int, int], float]:
@@ -96,21 +93,3 @@ def test_each_place_of_the_target_has_the_weight_of_the_nearest_place_of_the_she
     spacing = document.layout.spacing_mm
     assert (weight[radius < 0.49 * spacing] == 9.0).all() and (weight[radius > 0.6 * spacing] == 1.0).all()
     assert 0 < (weight == 9.0).sum() < len(weight)
-
-
-@pytest.mark.slow
-def test_the_fit_gets_them_and_its_design_has_its_own(
-    client: TestClient, page: Page, studio: Studio, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setitem(jobs.PROCESSES, "fit", "tests.asterism.studio.quick_engines:fit")
-    page.until("shape")
-    send_roof(client)
-    page.send(type="fit")
-    page.until("result", job="fit")
-    assert studio.document is not None and "fit" not in studio.document.table
-    page.send(type="weigh", gesture=1, sites=[[0, 0]], weights=[6.0])
-    page.until("shape")
-    page.send(type="fit")
-    assert page.until("result", job="fit")["summary"]["needles"] == 6
-    # one star is left, and the nearest of all places of the quick engine's square
-    assert weights_by_site(studio.document.table) == {(0, 0): 6.0}

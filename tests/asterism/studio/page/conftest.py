@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from asterism.pattern import gallery
-from tests.asterism.studio.browser import VIEWPORT, StudioPage, running_studio
+from tests.asterism.studio.browser import VIEWPORT, StudioPage, studio_process
 
 # so fine that no exact shape follows without a click: to compute shapes that a test is not about takes most of the time
 FINE = "\n[mesh]\nedge_mm = 0.2\n"
@@ -23,6 +23,20 @@ rings = 2
 [[pins]]
 points_mm = [[43.0, 24.8], [-43.0, 24.8], [-43.0, -24.8], [43.0, -24.8]]
 target_mm = [[31.0, 18.0, 0.0], [-31.0, 18.0, 0.0], [-31.0, -18.0, 0.0], [31.0, -18.0, 0.0]]
+"""
+# seven stars with a mesh so coarse that the exact shape is there at once
+SEVEN = """
+name = "seven"
+[stars]
+length_mm = { profile = "radial", from = 10.0, to = 8.0, over_mm = 17.3 }
+thickness_mm = 0.3
+[border]
+rings = 1
+[[pins]]
+where = "border"
+scale = 0.74
+[mesh]
+edge_mm = 4.0
 """
 EVEN = """
 name = "even"
@@ -38,31 +52,26 @@ HTMLCanvasElement.prototype.getContext = function (kind, ...options) {
 };"""
 
 
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    for item in items:
+        if Path(__file__).parent in item.path.parents:
+            item.add_marker(pytest.mark.slow)
+
+
 @pytest.fixture(scope="package")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     made = tmp_path_factory.mktemp("studio")
     dome = gallery.path("dome").read_text(encoding="utf-8")
     for name, text in (("canopy", CANOPY), ("even", EVEN), ("plain", dome)):
         (made / f"{name}.toml").write_text(text + FINE, encoding="utf-8")
+    (made / "seven.toml").write_text(SEVEN, encoding="utf-8")
     return made
 
 
 @pytest.fixture(scope="package")
 def address(browser: Any, folder: Path) -> Iterator[str]:
-    with running_studio(folder) as url:
+    with studio_process(folder) as (_, url):
         yield url
-
-
-@pytest.fixture
-def new_page(browser: Any, address: str) -> Iterator[Callable[[], StudioPage]]:
-    """Makes pages; afterwards none may have complained."""
-    with pages_of(browser, address) as make:
-        yield make
-
-
-@pytest.fixture
-def page(new_page: Callable[[], StudioPage]) -> StudioPage:
-    return new_page()
 
 
 @pytest.fixture(scope="module")
@@ -79,10 +88,18 @@ def flat(browser: Any, address: str) -> Iterator[StudioPage]:
         yield make()
 
 
+@pytest.fixture
+def new_flat(browser: Any, address: str) -> Iterator[Callable[[], StudioPage]]:
+    """Makes such pages for one test."""
+    with pages_of(browser, address, WITHOUT_VIEW) as make:
+        yield make
+
+
 @contextmanager
 def pages_of(browser: Any, address: str, script: str = "") -> Iterator[Callable[[], StudioPage]]:
     """Makes pages of a studio, each with a script that runs before its own."""
-    context = browser.new_context(viewport=VIEWPORT, reduced_motion="reduce")
+    # a quarter of the pixels: to draw them takes most of the time of a page that draws in space
+    context = browser.new_context(viewport=VIEWPORT, device_scale_factor=0.5, reduced_motion="reduce")
     context.add_init_script(script)
     pages: list[StudioPage] = []
 

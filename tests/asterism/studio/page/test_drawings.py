@@ -11,9 +11,6 @@ from tests.asterism.studio.browser import StudioPage
 from tests.asterism.studio.test_drawings import SVG
 from tests.asterism.studio.test_uploads import dxf
 
-# the README's tests open the page in `test_page` only
-pytestmark = pytest.mark.slow
-
 DROP = """([name, text]) => {
     const data = new DataTransfer();
     data.items.add(new File([text], name));

@@ -7,8 +7,6 @@ import pytest
 
 from tests.asterism.studio.browser import StudioPage
 
-pytestmark = pytest.mark.slow
-
 SPACING_MM = np.sqrt(300.0)  # of the stars of the dome
 FOCUSED = "document.activeElement.dataset.testid"
 
@@ -51,7 +49,7 @@ def test_corners_are_typed_added_and_removed(flat: StudioPage) -> None:
 
 
 def test_the_table_of_stars_is_filled_from_field_to_field(flat: StudioPage) -> None:
-    flat.open("gallery-star")
+    flat.open_again("file-even.toml")
     press = flat.page.keyboard.press
     flat.page.locator("#plan-canvas").focus()
     press("t")
@@ -59,10 +57,10 @@ def test_the_table_of_stars_is_filled_from_field_to_field(flat: StudioPage) -> N
     flat.item("star-0-length").fill("6")
     flat.changed(lambda: press("Tab"))
     assert flat.get(FOCUSED) == "star-0-thickness"
-    flat.item("star-0-thickness").fill("0.9")
+    flat.item("star-0-thickness").fill("0.5")
     flat.changed(lambda: press("Tab"))
     assert flat.get(FOCUSED) == "star-0-width"
-    assert flat.get("studio.sizes[0]")[:2] == pytest.approx([6.0, 0.9])
+    assert flat.get("studio.sizes[0]")[:2] == pytest.approx([6.0, 0.5])
     press("Escape")
     flat.wait("!document.querySelector('dialog[open]')")
     flat.page.locator("#plan-canvas").focus()
@@ -95,6 +93,23 @@ def test_the_brush_the_gradient_and_the_ruler_work_at_the_star_of_the_keyboard(f
     profile = flat.get("studio.document.design.stars.length_mm")
     assert profile["centre_mm"] == pytest.approx([np.sqrt(3.0) * SPACING_MM, 0.0], abs=0.05)
     assert profile["over_mm"] == pytest.approx(SPACING_MM, abs=0.05)
+
+
+def test_a_star_is_chosen_and_made_smaller(flat: StudioPage) -> None:
+    flat.open_again("file-plain.toml")
+    press = flat.page.keyboard.press
+    before = flat.get("studio.sizes")
+    flat.page.locator("#plan-canvas").focus()
+    press("v")
+    press("ArrowRight")  # to the star in the middle
+    press("ArrowUp")
+    press("Enter")
+    assert len(flat.get("studio.selection")) == 1
+    flat.changed(lambda: press("-"))
+    (change,) = [(old, new) for old, new in zip(before, flat.get("studio.sizes"), strict=True) if old != new]
+    assert change[1][0] < change[0][0]
+    flat.changed(lambda: press("Control+z"))
+    assert flat.get("studio.sizes") == before
 
 
 def test_every_control_that_tab_reaches_shows_the_focus(shared: StudioPage) -> None:

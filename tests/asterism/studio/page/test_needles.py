@@ -9,9 +9,6 @@ import pytest
 
 from tests.asterism.studio.browser import StudioPage
 
-# the README's tests open the page in `test_page` only
-pytestmark = pytest.mark.slow
-
 
 def canopy(page: StudioPage) -> StudioPage:
     page.open_again("file-canopy.toml")
@@ -41,7 +38,7 @@ def test_four_clicks_on_a_free_sheet_carry_it(flat: StudioPage) -> None:
     assert pins["target_mm"][1] == pytest.approx([value / 1.35 for value in corners[2]] + [0], abs=0.01)
 
 
-def test_needles_are_drawn_together_by_one_number(page: StudioPage) -> None:
+def test_needles_are_drawn_together_by_one_number_and_slide_along_themselves(page: StudioPage) -> None:
     page.item("support-0").click()
     before = table(page)
     page.changed(lambda: page.fill("support-spread", 0.6))
@@ -49,10 +46,6 @@ def test_needles_are_drawn_together_by_one_number(page: StudioPage) -> None:
     expected = [[factor * x, factor * y, z] for x, y, z in before["target_mm"]]
     assert np.allclose(table(page)["target_mm"], expected, atol=0.01)
     assert page.item("support-spread").input_value() == "0.6"
-
-
-def test_needles_slide_along_themselves(page: StudioPage) -> None:
-    page.item("support-0").click()
     page.changed(lambda: page.item("support-slide").select_option("z"))
     assert page.get("studio.document.design.pins[0].slide") == "z"
     assert "rises freely" in page.item("support-0").inner_text()
@@ -60,7 +53,17 @@ def test_needles_slide_along_themselves(page: StudioPage) -> None:
     assert page.get("typeof studio.document.design.pins[0].slide") == "undefined"
 
 
-def test_a_needle_is_moved_and_removed_and_the_sheet_freed(page: StudioPage) -> None:
+def test_a_needle_is_duplicated_moved_and_removed_and_the_sheet_freed(page: StudioPage) -> None:
+    before = table(page)
+    page.page.mouse.click(*page.point(before["points_mm"][0]))
+    page.changed(page.item("duplicate-needle").click)
+    after = table(page)
+    assert after["points_mm"][:-1] == before["points_mm"]
+    assert after["points_mm"][-1] == pytest.approx([0.75 * value for value in before["points_mm"][0]], abs=0.01)
+    assert after["target_mm"][-1][2] == before["target_mm"][0][2]
+    page.page.get_by_text("Needle 5").wait_for()  # the copy is chosen
+    page.changed(page.item("undo").click)
+    assert table(page) == before
     page.changed(lambda: page.drag((43.0, 24.8), (36.0, 20.0)))
     assert table(page)["points_mm"][0] == pytest.approx([36.0, 20.0], abs=1.0)
     page.page.mouse.click(*page.point(table(page)["points_mm"][0]))
@@ -94,12 +97,13 @@ def test_needles_follow_another_stretch_by_one_button(page: StudioPage) -> None:
     before = table(page)["target_mm"]
     page.item("tab-sheet").click()
     assert not page.item("follow-stretch").count()
-    page.changed(lambda: page.fill("stretch", 1.5))
+    page.fill("stretch", 1.5)
+    page.wait("studio.document.design.fabric.stretch === 1.5 && document.querySelector('[data-testid=needles-follow]')")
     assert table(page)["target_mm"] == before and "1.35" in page.item("needles-follow").inner_text()
-    page.changed(lambda: page.item("follow-stretch").click())
+    page.item("follow-stretch").click()
+    page.wait("!document.querySelector('[data-testid=follow-stretch]')")
     expected = [[1.35 / 1.5 * x, 1.35 / 1.5 * y, z] for x, y, z in before]
     assert np.allclose(table(page)["target_mm"], expected, atol=0.01)
-    assert not page.item("follow-stretch").count()
 
 
 def test_a_sheet_that_is_too_large_for_the_printer_is_told_while_it_is_drawn(page: StudioPage) -> None:
@@ -113,19 +117,6 @@ def test_a_sheet_that_is_too_large_for_the_printer_is_told_while_it_is_drawn(pag
     page.page.keyboard.press("Escape")
     page.page.mouse.up()
     page.wait("!document.querySelector('[data-testid=too-large]')")
-
-
-def test_a_needle_is_duplicated_and_the_copy_is_chosen(page: StudioPage) -> None:
-    before = table(page)
-    page.page.mouse.click(*page.point(before["points_mm"][0]))
-    page.changed(page.item("duplicate-needle").click)
-    after = table(page)
-    assert after["points_mm"][:-1] == before["points_mm"]
-    assert after["points_mm"][-1] == pytest.approx([0.75 * value for value in before["points_mm"][0]], abs=0.01)
-    assert after["target_mm"][-1][2] == before["target_mm"][0][2]
-    page.page.get_by_text(f"Needle {len(after['points_mm'])}").wait_for()
-    page.changed(page.item("undo").click)
-    assert table(page) == before
 
 
 def test_needles_are_lifted_in_the_view_alone_and_together(shared: StudioPage) -> None:

@@ -5,18 +5,14 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
-import pytest
-
 from asterism.pattern import gallery
 from tests.asterism.studio.browser import VIEWPORT, StudioPage, studio_process
-
-# the README's tests open the page in `test_page` only
-pytestmark = pytest.mark.slow
-
+from tests.asterism.studio.page.conftest import SEVEN, WITHOUT_VIEW
 
 # controls of the page under a message
 COVERED = """() => {
@@ -28,6 +24,9 @@ COVERED = """() => {
         .filter((control) => boxes.some((box) => isUnder(box, boxOf(control))))
         .map((control) => control.textContent || control.dataset.testid);
 }"""
+BLOCKED = "WebSocket = class extends WebSocket { constructor(url) { super(String(url).replace('/live', '/no')); } }"
+
+BROKEN = "[stars]\nlength_mm = -1\n"
 
 
 def children(parent: int) -> list[int]:
@@ -36,10 +35,13 @@ def children(parent: int) -> list[int]:
     return [int(pid) for pid, owner in (line.split() for line in listed.splitlines()) if int(owner) == parent]
 
 
-def test_an_engine_that_ends_is_replaced_and_the_work_goes_on(browser: Any, tmp_path: Path) -> None:
+def test_an_engine_that_ends_is_replaced_and_the_end_of_the_studio_is_told(browser: Any, tmp_path: Path) -> None:
+    (tmp_path / "seven.toml").write_text(SEVEN, encoding="utf-8")
+    made = browser.new_page(viewport=VIEWPORT)
+    made.add_init_script(WITHOUT_VIEW)
     with studio_process(tmp_path) as (process, url):
-        page = StudioPage(browser.new_page(viewport=VIEWPORT), url)
-        page.open("gallery-dome")
+        page = StudioPage(made, url)
+        page.open("file-seven.toml")
         page.summarised()
         height = page.get("studio.height")
         for child in children(process.pid):
@@ -51,12 +53,14 @@ def test_an_engine_that_ends_is_replaced_and_the_work_goes_on(browser: Any, tmp_
         assert page.get("studio.height") != height
         page.item("undo").click()
         page.wait(f"studio.isSummarised && Math.abs(studio.height - {height}) < 1e-6")
-        page.page.close()
+    page.wait("!studio.connected")
+    page.page.locator(".toast.bad", has_text="start it again").wait_for()
+    made.close()
 
 
-def test_a_broken_connection_is_told_and_taken_up_again(new_page: Any) -> None:
-    page = new_page()
-    page.open("gallery-dome")
+def test_a_broken_connection_is_told_and_taken_up_again(new_flat: Callable[[], StudioPage]) -> None:
+    page = new_flat()
+    page.open_again("file-plain.toml")
     sockets = page.live_sockets()
     sizes = page.get("studio.sizes")
     sockets[-1].close()
@@ -68,90 +72,110 @@ def test_a_broken_connection_is_told_and_taken_up_again(new_page: Any) -> None:
     assert page.get("studio.sizes") != sizes
 
 
-def test_a_studio_that_ends_is_told(browser: Any, tmp_path: Path) -> None:
-    with studio_process(tmp_path) as (_, url):
-        page = StudioPage(browser.new_page(viewport=VIEWPORT), url)
-        page.open("gallery-star")
-    page.wait("!studio.connected")
-    assert "start it again" in page.item("problem").inner_text()
-    page.page.close()
-
-
-def test_a_file_that_changes_on_disk_is_followed_and_earlier_states_are_pictures(new_page: Any, folder: Path) -> None:
+def test_a_file_that_changes_on_disk_is_followed_and_earlier_states_are_pictures(
+    flat: StudioPage, folder: Path
+) -> None:
     file = folder / "followed.toml"
-    file.write_text('name = "followed"\n[stars]\nlength_mm = 7.0\n[border]\nrings = 1\n', "utf-8")
-    page = new_page()
-    page.wait("studio.document || document.querySelector('[data-testid=new]')")
-    page.open("file-followed.toml")
-    file.write_text(file.read_text("utf-8").replace("7.0", "5.0"), "utf-8")
-    page.wait("studio.document.design.stars.length_mm === 5")
-    page.rest()
-    assert page.get("studio.document.saved")
-    page.item("history").click()
-    page.wait("document.querySelectorAll('.thumbnail canvas').length === 2")
-    assert page.page.locator(".thumbnail").first.inner_text() == "Changed on disk"
-    page.page.locator(".thumbnail").last.click()
-    page.wait("studio.document.design.stars.length_mm === 7")
-    page.page.keyboard.press("Escape")
+    file.write_text(SEVEN, "utf-8")
+    flat.open("file-followed.toml")
+    file.write_text(SEVEN.replace("from = 10.0", "from = 9.0"), "utf-8")
+    flat.wait("studio.document.design.stars.length_mm.from === 9")
+    flat.rest()
+    assert flat.get("studio.document.saved")
+    flat.item("history").click()
+    flat.wait("document.querySelectorAll('.thumbnail canvas').length === 2")
+    assert flat.page.locator(".thumbnail").first.inner_text() == "Changed on disk"
+    flat.page.locator(".thumbnail").last.click()
+    flat.wait("studio.document.design.stars.length_mm.from === 10")
+    flat.page.keyboard.press("Escape")
     file.write_text("[stars", "utf-8")
-    page.wait("document.querySelector('[data-testid=problem]')?.textContent.includes('followed.toml')")
+    flat.wait("document.querySelector('[data-testid=problem]')?.textContent.includes('followed.toml')")
 
 
-def test_a_design_that_cannot_be_read_leaves_the_open_one(new_page: Any, folder: Path) -> None:
+def test_a_design_that_cannot_be_read_leaves_the_open_one(flat: StudioPage, folder: Path) -> None:
     file = folder / "spoiled.toml"
-    file.write_text('name = "spoiled"\n[stars]\nlength_mm = 7.0\n[border]\nrings = 1\n', "utf-8")
-    page = new_page()
-    page.open("gallery-dome")
-    page.item("open").click()
-    page.wait("document.querySelector('[data-testid=\"file-spoiled.toml\"]')")
-    file.write_text('name = "spoiled"\n[stars]\nlength_mm = "long"\n[border]\nrings = 1\n', "utf-8")
-    page.item("file-spoiled.toml").click()
+    file.write_text(SEVEN, "utf-8")
+    flat.open_again("file-plain.toml")
+    flat.item("open").click()
+    flat.item("file-spoiled.toml").wait_for()
+    file.write_text(SEVEN.replace("0.3", '"thin"'), "utf-8")
+    flat.item("file-spoiled.toml").click()
     # the line goes away after a while
-    page.wait("document.querySelector('[data-testid=problem]')?.textContent.includes('length_mm')")
-    page.rest()
-    assert page.get("studio.document.name").startswith("dome")
+    flat.wait("document.querySelector('[data-testid=problem]')?.textContent.includes('thickness_mm')")
+    flat.rest()
+    assert flat.get("studio.document.name") == "plain"
 
 
-@pytest.mark.parametrize(("width", "height"), [(1024, 768), (1280, 720)])
-def test_the_offer_of_unsaved_work_covers_no_control(browser: Any, tmp_path: Path, width: int, height: int) -> None:
+def test_the_offer_of_unsaved_work_covers_no_control(flat: StudioPage, folder: Path) -> None:
     text = gallery.path("leaf").read_text("utf-8")
-    (tmp_path / "leaf.toml").write_text(text, "utf-8")
-    (tmp_path / ".leaf.autosave.toml").write_text(text.replace('name = "leaf"', 'name = "ivy"'), "utf-8")
-    with studio_process(tmp_path) as (_, url):
-        page = StudioPage(browser.new_page(viewport={"width": width, "height": height}), url)
-        page.open_without_shape("file-leaf.toml")
-        page.wait("studio.state.engine === 'ready'")
-        page.item("tab-shape").click()
-        assert page.item("toast").count() == 1 and page.page.evaluate(COVERED) == []
-        page.page.close()
+    (folder / "leaf.toml").write_text(text, "utf-8")
+    (folder / ".leaf.autosave.toml").write_text(text.replace('name = "leaf"', 'name = "ivy"'), "utf-8")
+    flat.open_without_shape("file-leaf.toml")
+    flat.item("tab-shape").click()
+    for width, height in ((1024, 768), tuple(VIEWPORT.values())):
+        flat.page.set_viewport_size({"width": width, "height": height})
+        flat.page.evaluate("new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)))")
+        assert flat.item("toast").count() == 1 and flat.page.evaluate(COVERED) == [], width
 
 
-def test_all_unsaved_work_is_shown_and_brought_back_or_forgotten(browser: Any, tmp_path: Path) -> None:
-    text = gallery.path("star").read_text("utf-8")
-    (tmp_path / "star.toml").write_text(text, "utf-8")
+def test_all_unsaved_work_is_shown_and_brought_back_or_forgotten(flat: StudioPage, folder: Path) -> None:
+    (folder / "left.toml").write_text(SEVEN, "utf-8")
     for end, name in (("", "one"), ("-2", "two")):
-        (tmp_path / f".star.autosave{end}.toml").write_text(text.replace('name = "star"', f'name = "{name}"'), "utf-8")
-    with studio_process(tmp_path) as (_, url):
-        page = StudioPage(browser.new_page(viewport=VIEWPORT), url)
-        page.open("file-star.toml")
-        page.page.get_by_text("See them").click()
-        page.wait("document.querySelectorAll('[data-testid=kept-dialog] canvas').length === 2")
-        page.item("kept-.star.autosave.toml").get_by_text("Forget it").click()
-        page.wait("document.querySelectorAll('[data-testid=kept-dialog] canvas').length === 1")
-        page.item("kept-.star.autosave-2.toml").get_by_text("Bring it back").click()
-        page.wait("studio.document.design.name === 'two' && !studio.document.kept_work.length")
-        page.page.close()
-    kept = [file.read_text("utf-8") for file in tmp_path.glob(".star.autosave*.toml")]
-    assert len(kept) == 1 and 'name = "two"' in kept[0]  # as unsaved work of this session
+        (folder / f".left.autosave{end}.toml").write_text(SEVEN.replace('"seven"', f'"{name}"'), "utf-8")
+    flat.open("file-left.toml")
+    flat.page.get_by_text("See them").click()
+    flat.wait("document.querySelectorAll('[data-testid=kept-dialog] canvas').length === 2")
+    flat.item("kept-.left.autosave.toml").get_by_text("Forget it").click()
+    flat.wait("document.querySelectorAll('[data-testid=kept-dialog] canvas').length === 1")
+    flat.item("kept-.left.autosave-2.toml").get_by_text("Bring it back").click()
+    flat.wait("studio.document.design.name === 'two' && !studio.document.kept_work.length")
+    flat.page.keyboard.press("Escape")
+    flat.item("save").click()
+    flat.wait("studio.document.saved")
+    assert 'name = "two"' in (folder / "left.toml").read_text("utf-8") and not list(folder.glob(".left.autosave*"))
 
 
-def test_a_proxy_that_blocks_websockets_is_named(browser: Any, tmp_path: Path) -> None:
-    elsewhere = (
-        "WebSocket = class extends WebSocket { constructor(url) { super(String(url).replace('/live', '/no')); } }"
-    )
-    with studio_process(tmp_path) as (_, url):
-        page = browser.new_page(viewport=VIEWPORT)
-        page.add_init_script(elsewhere)
-        page.goto(url)
-        page.get_by_text("a proxy or a browser extension blocks it").wait_for(timeout=60_000)
-        page.close()
+def test_a_proxy_that_blocks_websockets_is_named(browser: Any, address: str) -> None:
+    page = browser.new_page(viewport=VIEWPORT)
+    page.add_init_script(BLOCKED)
+    page.goto(address)
+    page.get_by_text("a proxy or a browser extension blocks it").wait_for(timeout=60_000)
+    page.close()
+
+
+def test_another_stretch_is_learned(flat: StudioPage) -> None:
+    flat.open_again("file-even.toml")
+    flat.item("tab-sheet").click()
+    flat.fill("stretch", 1.5)
+    flat.rest()
+    flat.page.get_by_text("It learns other stretches when they are first used").wait_for()
+    assert flat.page.evaluate("studio.state.problem") is None
+
+
+def test_saving_asks_before_it_replaces_a_file_with_a_mistake(flat: StudioPage, folder: Path) -> None:
+    file = folder / "roof.toml"
+    file.write_text((folder / "canopy.toml").read_text(encoding="utf-8"), encoding="utf-8")
+    flat.open("file-roof.toml")
+    flat.item("tool-brush").click()
+    flat.changed(lambda: flat.drag((0, 0), (5, 5)))
+    file.write_text(BROKEN, encoding="utf-8")
+    flat.item("save").click()
+    flat.page.get_by_text("Nothing is written yet").wait_for()
+    assert file.read_text(encoding="utf-8") == BROKEN
+    flat.page.get_by_role("button", name="Keep mine").click()
+    flat.wait("studio.document.saved")
+    assert "override" in file.read_text(encoding="utf-8")
+
+
+def test_the_first_page_lists_a_design_that_is_put_into_the_folder_while_it_is_shown(
+    flat: StudioPage, folder: Path
+) -> None:
+    flat.open_again("file-even.toml")
+    flat.item("open").click()
+    (folder / "late.toml").write_text((folder / "canopy.toml").read_text(encoding="utf-8"), encoding="utf-8")
+    flat.item("file-late.toml").wait_for(timeout=20_000)
+    flat.item("new").focus()
+    (folder / "late.toml").unlink()
+    flat.item("file-late.toml").wait_for(state="detached", timeout=20_000)
+    assert flat.get("document.activeElement.dataset.testid") == "new"
+    flat.page.keyboard.press("Escape")

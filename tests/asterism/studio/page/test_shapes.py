@@ -4,31 +4,26 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import Any
 
 import pytest
 from PIL import Image
 
-from tests.asterism.studio.browser import StudioPage
-
-# the README's tests open the page in `test_page` only
-pytestmark = pytest.mark.slow
+from asterism.pattern import gallery
+from tests.asterism.studio.browser import PATIENCE_S, StudioPage
+from tests.asterism.studio.page.conftest import FINE
 
 
 def open_shape(page: StudioPage, name: str) -> float:
-    """Open a design of the gallery, wait for its summary, and show it; its height (mm)."""
-    page.open(f"gallery-{name}")
+    """Open a design, wait for its summary, and show it; its height (mm)."""
+    page.open_again(name)
     page.summarised()
     page.item("tab-shape").click()
     return float(page.get("studio.height"))
 
 
-def test_a_flip_says_at_once_that_it_searches_and_escape_ends_it(shared: StudioPage) -> None:
-    shared.open("gallery-dome")
-    shared.summarised()
-    shared.item("tab-shape").click()
-    height = shared.get("studio.height")
-    said = shared.get(
+def test_a_flip_says_at_once_that_it_searches_and_escape_ends_it(flat: StudioPage) -> None:
+    height = open_shape(flat, "file-plain.toml")
+    said = flat.get(
         """(() => {
             const part = (name) => document.querySelector(`[data-testid=${name}]`);
             part("flip").focus();
@@ -41,16 +36,18 @@ def test_a_flip_says_at_once_that_it_searches_and_escape_ends_it(shared: StudioP
         })()"""
     )
     assert said[0] and "Searching for the other side, Esc cancels" in said[1] and said[2]
-    shared.wait("document.querySelector('[data-testid=toast]')?.textContent.includes('search was cancelled')")
-    shared.summarised()
-    assert shared.item("flip").is_enabled() and not shared.item("stop-search").is_visible()
-    assert shared.get("document.activeElement.dataset.testid") == "flip"
-    assert shared.get("studio.height") == pytest.approx(height, abs=1e-9)
-    assert not shared.get("studio.state.problem")
+    flat.page.locator(".toast", has_text="search was cancelled").wait_for()
+    flat.summarised()
+    assert flat.item("flip").is_enabled() and not flat.item("stop-search").is_visible()
+    assert flat.get("document.activeElement.dataset.testid") == "flip"
+    assert flat.get("studio.height") == pytest.approx(height, abs=1e-9)
+    assert not flat.get("studio.state.problem")
 
 
-def test_another_form_is_listed_and_shown(shared: StudioPage) -> None:
-    height = open_shape(shared, "fig8-l-increasing")
+def test_another_form_is_listed_and_shown(shared: StudioPage, folder: Path) -> None:
+    text = gallery.path("fig8-l-increasing").read_text("utf-8")
+    (folder / "two-forms.toml").write_text(text + FINE, "utf-8")
+    height = open_shape(shared, "file-two-forms.toml")
     forms = shared.get("studio.state.forms")
     assert [form["is_shown"] for form in forms] == [True, False]
     assert "energy +" in shared.item(f"form-{forms[1]['index']}").inner_text()
@@ -77,7 +74,7 @@ def test_another_form_is_listed_and_shown(shared: StudioPage) -> None:
 
 
 def test_designs_are_kept_as_pictures_and_compared(shared: StudioPage) -> None:
-    height = open_shape(shared, "dome")
+    height = open_shape(shared, "file-plain.toml")
     shared.item("keep-A").click()
     shared.wait("document.querySelector('[data-testid=show-A] img')?.naturalWidth > 0")
     shared.item("tool-gradient").click()
@@ -98,70 +95,58 @@ def test_designs_are_kept_as_pictures_and_compared(shared: StudioPage) -> None:
     assert words[0] == "Design A" and words[-1] == "Opened"
     assert words[1].startswith("Star length") and words[1].endswith("→ 5 mm, 37 stars")
     shared.page.keyboard.press("Escape")
-
-
-def test_a_design_that_was_open_is_a_picture_away(new_page: Any, folder: Path) -> None:
-    text = 'name = "{}"\n[stars]\nlength_mm = 7.0\n[border]\nrings = 1\n'
-    for name in ("first", "second"):
-        (folder / f"{name}.toml").write_text(text.format(name), "utf-8")
-    page = new_page()
-    page.open("file-first.toml")
-    page.open("file-second.toml")
-    page.item("tab-shape").click()
-    page.wait("document.querySelector('[data-testid=\"design-first.toml\"] img')?.naturalWidth > 0")
-    page.item("design-first.toml").click()
-    page.wait("studio.document.name === 'first'")
-    page.item("design-second.toml").wait_for()
+    # a design that was open is a picture away
+    shared.open("file-even.toml")
+    shared.item("tab-shape").click()
+    shared.wait("document.querySelector('[data-testid=\"design-plain.toml\"] img')?.naturalWidth > 0")
+    shared.item("design-plain.toml").click()
+    shared.wait("studio.document.name === 'plain'")
+    shared.item("design-even.toml").wait_for()
 
 
 def test_a_picture_is_saved_at_a_chosen_size(shared: StudioPage) -> None:
-    shared.open("gallery-dome")
+    shared.open_again("file-plain.toml")
+
+    def saved() -> Image.Image:
+        with shared.page.expect_download() as download:
+            shared.item("picture-go").click()
+        return Image.open(Path(download.value.path())).convert("RGB")
+
     shared.item("picture").click()
     shared.item("picture-size").select_option("1920 × 1080")
-    with shared.page.expect_download() as download:
-        shared.item("picture-go").click()
-    picture = Image.open(Path(download.value.path())).convert("RGB")
-    assert picture.size == (1920, 1080)
-    darkest, lightest = picture.convert("L").getextrema()
-    assert darkest < 60 and lightest == 255  # plastic, and the white ground
+    assert saved().size == (1920, 1080)
     shared.item("picture").click()
     shared.fill("picture-width", 700)
     shared.fill("picture-height", 420)
     assert shared.item("picture-size").input_value() == "Own size"
-    with shared.page.expect_download() as download:
-        shared.item("picture-go").click()
-    assert Image.open(Path(download.value.path())).size == (700, 420)
+    picture = saved()
+    darkest, lightest = picture.convert("L").getextrema()
+    assert picture.size == (700, 420) and darkest < 60 and lightest == 255  # plastic, and the white ground
 
 
-def test_the_release_is_drawn_as_a_gif(shared: StudioPage, folder: Path) -> None:
+def test_the_exact_shape_has_a_moving_picture_a_report_and_a_range_of_prints(shared: StudioPage, folder: Path) -> None:
     shared.open("gallery-star")
     shared.wait("studio.badge.kind === 'exact'")
+    name = shared.get("studio.document.name")
     shared.item("picture").click()
     shared.item("animate").click()
-    shared.wait("document.querySelector('[data-testid=toast]')?.textContent.includes('animated picture is written')")
-    picture = Image.open(folder / f"{shared.get('studio.document.name')}-release.gif")
+    shared.page.locator(".toast", has_text="animated picture is written").wait_for(timeout=1000 * PATIENCE_S)
+    picture = Image.open(folder / f"{name}-release.gif")
     assert picture.size == (1200, 900) and picture.n_frames == 24  # type: ignore[attr-defined]
 
+    shared.item("report").click()
+    shared.wait("document.querySelector('[data-testid=job]').textContent.includes('report')")
+    shared.page.locator(".toast", has_text="report is written").wait_for(timeout=1000 * PATIENCE_S)
+    assert (folder / f"{name}.pdf").read_bytes().startswith(b"%PDF")
 
-def test_how_much_prints_differ_is_computed_for_the_exact_shape(shared: StudioPage, folder: Path) -> None:
-    shared.open("gallery-star")
     shared.item("tab-shape").click()
-    shared.wait("studio.badge.kind === 'exact'")
     shared.item("spread-go").click()
     shared.wait("document.querySelector('[data-testid=spread-found]')")
     words = shared.item("spread-found").inner_text()
     low, high = map(float, re.findall(r"([\d.]+) to ([\d.]+) in nine of ten prints", words)[0])
     assert low < shared.get("studio.height") < high and "Range comes from" in words
-    assert Image.open(folder / f"{shared.get('studio.document.name')}-spread.png").size == (1500, 630)
-    shared.item("tool-brush").click()  # another tool, left by a test before, may set the size that the star has
+    assert Image.open(folder / f"{name}-spread.png").size == (1500, 630)
+    shared.item("tool-brush").click()
     shared.changed(lambda: shared.drag((0, 0), (3, 3)))
     shared.item("tab-shape").click()
     shared.wait("document.querySelector('[data-testid=spread]')?.textContent.includes('has changed since')")
-
-
-def test_the_report_is_written_and_offered(shared: StudioPage, folder: Path) -> None:
-    shared.open("gallery-star")
-    shared.item("report").click()
-    shared.wait("document.querySelector('[data-testid=job]').textContent.includes('report')")
-    shared.wait("document.querySelector('[data-testid=toast]')?.textContent.includes('report is written')")
-    assert (folder / f"{shared.get('studio.document.name')}.pdf").read_bytes().startswith(b"%PDF")

@@ -10,14 +10,13 @@ from PIL import Image
 
 from tests.asterism.studio.browser import StudioPage
 
-# the README's tests open the page in `test_page` only
-pytestmark = pytest.mark.slow
+LASSO = [(-24, -24), (24, -24), (24, 24), (-24, 24), (-24, -23)]  # around the star of the middle and its six neighbours
 
 
 @pytest.fixture
-def page(shared: StudioPage) -> StudioPage:
-    shared.open("gallery-dome")
-    return shared
+def page(flat: StudioPage) -> StudioPage:
+    flat.open_again("file-plain.toml")
+    return flat
 
 
 def repainted(page: StudioPage, act: Callable[[], None]) -> list[tuple[float, float]]:
@@ -32,6 +31,10 @@ def has_image(places: list[tuple[float, float]], x: float, y: float) -> bool:
     return any(abs(x - a) + abs(y - b) < 0.1 for a, b in places)
 
 
+def is_kind(page: StudioPage, kind: str) -> bool:
+    return bool(page.item(f"gradient-kind-{kind}").get_attribute("aria-checked") == "true")
+
+
 @pytest.mark.parametrize(("kind", "line"), [("linear", ("start_mm", "end_mm")), ("radial", ("centre_mm",))])
 def test_a_gradient_is_dragged_from_the_first_value_to_the_second(
     page: StudioPage, kind: str, line: tuple[str, ...]
@@ -41,21 +44,25 @@ def test_a_gradient_is_dragged_from_the_first_value_to_the_second(
     page.rest()
     page.changed(lambda: page.drag((-40.0, 30.0), (35.0, 30.0)))
     profile = page.get("studio.document.design.stars.length_mm")
-    assert profile["profile"] == kind
+    assert profile["profile"] == kind and is_kind(page, kind)
     assert [profile[key][0] for key in line] == pytest.approx([-40.0, 35.0][: len(line)], abs=0.5)
-    assert page.item(f"gradient-kind-{kind}").get_attribute("aria-checked") == "true"
 
 
-def test_a_gradient_over_the_whole_sheet_comes_with_one_click_and_its_ends_keep_their_kind(shared: StudioPage) -> None:
-    shared.open("new")
-    shared.item("tool-gradient").click()
-    assert shared.item("gradient-kind-number").get_attribute("aria-checked") == "true"
-    shared.changed(lambda: shared.item("gradient-kind-linear").click())
-    profile = shared.get("studio.document.design.stars.length_mm")
+def test_a_gradient_over_the_whole_sheet_comes_with_one_click_and_is_taken_back(flat: StudioPage) -> None:
+    flat.open("new")
+    flat.item("tool-gradient").click()
+    assert is_kind(flat, "number")
+    before = flat.get("studio.sizes")
+    flat.changed(lambda: flat.item("gradient-kind-linear").click())
+    profile = flat.get("studio.document.design.stars.length_mm")
     assert profile["profile"] == "linear"
     assert profile["start_mm"][0] == pytest.approx(-profile["end_mm"][0])
-    shared.changed(lambda: shared.item("undo").click())
-    assert shared.item("gradient-kind-number").get_attribute("aria-checked") == "true"
+    flat.changed(lambda: flat.item("undo").click())
+    assert is_kind(flat, "number")
+    flat.changed(lambda: flat.item("gradient-kind-radial").click())
+    message = flat.page.locator(".toast", has_text="radial gradient")  # says what it replaces
+    flat.changed(lambda: message.get_by_text("Undo").click())
+    assert flat.get("studio.sizes") == before
 
 
 def test_a_formula_gives_the_sizes_and_a_mistake_in_it_is_told_below(page: StudioPage) -> None:
@@ -74,22 +81,23 @@ def test_a_formula_gives_the_sizes_and_a_mistake_in_it_is_told_below(page: Studi
 
 
 def test_a_picture_gives_the_sizes_from_black_to_white(page: StudioPage, tmp_path: Path) -> None:
-    Image.linear_gradient("L").rotate(90).save(tmp_path / "grey.png")
+    Image.linear_gradient("L").rotate(90).save(tmp_path / "skätch.png")
     page.item("tool-gradient").click()
     page.item("gradient-kind-image").click()
     page.fill("image-low", 5)
     page.fill("image-high", 9)
-    page.changed(lambda: page.upload("upload-image", tmp_path / "grey.png"))
+    page.changed(lambda: page.upload("upload-image", tmp_path / "skätch.png"))
     profile = page.get("studio.document.design.stars.length_mm")
     assert (profile["low"], profile["high"], profile["pixels"]) == (5, 9, [256, 256])
-    assert page.item("gradient-kind-image").get_attribute("aria-checked") == "true"
+    assert profile["image"] == "skätch.png"
+    assert is_kind(page, "image")
     stars = list(zip(page.get("studio.document.plan.sites"), page.get("studio.sizes"), strict=True))
     left, right = (end(stars, key=lambda star: star[0]["at_mm"][0])[1][0] for end in (min, max))
     assert left < 6 < 8 < right
 
 
-def test_the_radius_of_a_brush_follows_the_sheet_until_the_user_changes_it(new_page: Callable[[], StudioPage]) -> None:
-    page = new_page()
+def test_the_radius_of_a_brush_follows_the_sheet_until_the_user_changes_it(new_flat: Callable[[], StudioPage]) -> None:
+    page = new_flat()
     for name, radius in (("dome", 20), ("star", 11), ("doubly-curved", 35), ("leaf", 6)):
         page.open_without_shape(f"gallery-{name}")
         page.item("tool-brush").click()
@@ -110,7 +118,7 @@ def test_the_radius_of_a_brush_follows_the_sheet_until_the_user_changes_it(new_p
     assert page.item("weight-radius").input_value() == "35"
 
 
-def test_mirror_and_sixfold_symmetry_repeat_a_stroke(page: StudioPage) -> None:
+def test_symmetries_repeat_a_stroke_and_a_shifted_click_paints_a_straight_line(page: StudioPage) -> None:
     page.item("tool-brush").click()
     page.fill("target", 4)
     page.fill("radius", 8)
@@ -123,25 +131,20 @@ def test_mirror_and_sixfold_symmetry_repeat_a_stroke(page: StudioPage) -> None:
     assert len(places) == 6 and all(has_image(places, -x, -y) for x, y in places)
     page.item("sixfold").uncheck()
 
-
-def test_a_shifted_click_paints_a_straight_line(page: StudioPage) -> None:
-    page.item("tool-brush").click()
-    page.fill("target", 4)
-    page.fill("radius", 7)
-
     def line() -> None:
-        page.page.mouse.click(*page.point((-45.0, 8.7)))
+        page.page.mouse.click(*page.point((-30.0, 17.3)))
         page.page.keyboard.down("Shift")
-        page.page.mouse.click(*page.point((45.0, 8.7)))
+        page.page.mouse.click(*page.point((30.0, 17.3)))
         page.page.keyboard.up("Shift")
 
+    page.fill("radius", 7)
     places = repainted(page, line)
-    assert len(places) == 4 and all(abs(y - 8.7) < 7 for _, y in places)
+    assert len(places) == 3 and all(abs(y - 17.3) < 7 for _, y in places)
 
 
-def test_stars_are_selected_by_lasso_ring_same_size_and_inverted(page: StudioPage) -> None:
+def test_stars_are_selected_by_lasso_ring_same_size_and_inverted_and_changed(page: StudioPage) -> None:
     page.item("tool-select").click()
-    page.drag((-24, -24), (24, -24), (24, 24), (-24, 24), (-24, -23))
+    page.drag(*LASSO)
     assert len(page.get("studio.selection")) == 7
     page.page.mouse.click(*page.point((15.0, 8.7)))
     assert len(page.get("studio.selection")) == 1
@@ -152,22 +155,16 @@ def test_stars_are_selected_by_lasso_ring_same_size_and_inverted(page: StudioPag
     page.page.mouse.click(*page.point((0.0, 0.0)))
     page.item("select-same").click()
     assert len(page.get("studio.selection")) == 1
+    page.changed(lambda: page.fill("selected-thickness", 0.5))
+    assert [size[1] for size in page.get("studio.sizes")].count(0.5) == 1
+    page.item("plan").focus()
     page.page.keyboard.press("Escape")
     assert page.get("studio.selection") == []
 
 
-def test_exact_values_change_the_selected_stars(page: StudioPage) -> None:
-    page.item("tool-select").click()
-    page.page.mouse.click(*page.point((0.0, 0.0)))
-    page.changed(lambda: page.fill("selected-thickness", 1.1))
-    assert max(size[1] for size in page.get("studio.sizes")) == 1.1
-    page.summarised()
-    assert "outside" not in " ".join(warning["text"] for warning in page.get("studio.state.warnings"))
-
-
 def test_alt_takes_stars_away_and_sizes_are_copied_to_the_others(page: StudioPage) -> None:
     page.item("tool-select").click()
-    page.drag((-24, -24), (24, -24), (24, 24), (-24, 24), (-24, -23))
+    page.drag(*LASSO)
     page.page.keyboard.down("Alt")
     page.drag((-6, -6), (6, -6), (6, 6), (-6, 6), (-6, -5))
     page.page.mouse.click(*page.point((15.0, 8.7)))
@@ -176,8 +173,7 @@ def test_alt_takes_stars_away_and_sizes_are_copied_to_the_others(page: StudioPag
     page.item("selecting-less").click()
     page.page.mouse.click(*page.point((-15.0, 8.7)))
     page.item("selecting-new").click()
-    rest = page.get("studio.selection")
-    assert len(rest) == 4
+    assert len(page.get("studio.selection")) == 4
     page.page.mouse.click(*page.point((0.0, 0.0)))
     page.page.keyboard.press("Control+c")
     page.item("selecting-more").click()
@@ -186,17 +182,17 @@ def test_alt_takes_stars_away_and_sizes_are_copied_to_the_others(page: StudioPag
     page.item("selecting-new").click()
     middle = page.get("studio.sizes[0]")
     assert len(repainted(page, lambda: page.page.keyboard.press("Control+v"))) == 2
-    assert [size for size in page.get("studio.sizes") if size == middle] == [middle] * 3
+    assert page.get("studio.sizes").count(middle) == 3
     page.changed(lambda: page.item("undo").click())
     assert page.get("studio.sizes").count(middle) == 1
 
 
-def test_lattice_spacing_and_arms_are_edited(shared: StudioPage) -> None:
-    page = shared
-    page.open("file-canopy.toml")
+def test_lattice_spacing_and_arms_are_edited(flat: StudioPage) -> None:
+    page = flat
+    page.open_again("file-canopy.toml")
     page.item("tab-sheet").click()
-    page.changed(lambda: page.fill("lattice-spacing_mm", 18.5))  # learns two cells
-    assert page.get("studio.document.plan.spacing_mm") == 18.5
+    page.fill("lattice-spacing_mm", 18.5)
+    page.wait("studio.document.plan.spacing_mm === 18.5 && !studio.isWaiting")
     outline = page.get("studio.document.plan.outline_mm")
     page.item("lattice").select_option("square")
     page.fill("lattice-arms", 4)
@@ -206,7 +202,7 @@ def test_lattice_spacing_and_arms_are_edited(shared: StudioPage) -> None:
     assert design["lattice"] == {"kind": "square", "spacing_mm": 18.5, "arms": 4, "orientation_deg": 45}
     assert design["border"]["polygon_mm"] == [[round(value, 3) for value in at] for at in outline]
     assert all(len(site["arms"]) == 4 for site in sites)
-    for _ in range(3):
+    for _ in range(4):
         page.item("undo").click()
-    page.wait("JSON.stringify(studio.document.design.lattice) === '{\"spacing_mm\":18.5}'")
+    page.wait("studio.document.design.lattice === undefined")
     assert page.get("studio.document.design.border.rings") == 2

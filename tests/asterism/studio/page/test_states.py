@@ -4,20 +4,17 @@ from __future__ import annotations
 
 import json
 
-import pytest
-
 from tests.asterism.studio.browser import StudioPage
 from tests.asterism.studio.test_badge import MATRIX
 
-# the README's tests open the page in `test_page` only
-pytestmark = pytest.mark.slow
 
-
-def test_whatever_speaks_of_the_shape_says_the_words_of_the_badge(page: StudioPage) -> None:
+def test_whatever_speaks_of_the_shape_says_the_words_of_the_badge_and_the_form_of_a_print(shared: StudioPage) -> None:
+    page = shared
     page.open("gallery-star")
     (socket,) = page.live_sockets()
     page.wait("studio.state.release?.is_same === true")  # the last message of the server's own
     page.item("tab-shape").click()
+    assert "takes this form too" in page.item("release").inner_text()
     state = page.get("studio.state")
     for kind, words, is_stale, _ in dict.fromkeys(statement for _, statement in MATRIX.values()):
         badge = {**state["badge"], "kind": kind, "words": words, "is_stale": is_stale}
@@ -34,13 +31,21 @@ def test_whatever_speaks_of_the_shape_says_the_words_of_the_badge(page: StudioPa
     socket.send(json.dumps({**state, "badge": {**state["badge"], "revision": 99}}))
     page.wait("studio.badge.words === 'Computing'")
 
+    release = {"is_same": False, "energy_percent": -0.4, "apart_percent": 5.2, "is_shown": False}
+    socket.send(json.dumps({**state, "release": release}))
+    page.wait("document.querySelector('[data-testid=show-released]')")
+    assert "energy -0.4 %" in page.item("exact-form-released").inner_text().replace("\u2212", "-")
+    socket.send(json.dumps({**state, "release": {**release, "is_shown": True}}))
+    page.wait("!document.querySelector('[data-testid=show-released]')")
+    assert "energy +0.4 %" in page.item("exact-form-preview").inner_text()
+
 
 def test_the_sheet_settles_after_a_stroke_and_is_shown_beside_its_preview(shared: StudioPage) -> None:
-    shared.open("gallery-dome")
+    shared.open("file-seven.toml")
     shared.wait("studio.badge.kind === 'exact' && studio.isBeside")
     first = shared.get("studio.height")
     shared.item("shown-distance").click()
-    shared.wait("!document.querySelector('[data-testid=legend]').hidden && studio.contours > 50")
+    shared.wait("!document.querySelector('[data-testid=legend]').hidden && studio.contours > 0")
     assert "Exact shape to preview" in shared.item("legend").inner_text()
     assert shared.item("view-colour").is_disabled()
     shared.item("shown-shape").click()
@@ -54,31 +59,3 @@ def test_the_sheet_settles_after_a_stroke_and_is_shown_beside_its_preview(shared
     shared.wait("studio.badge.kind === 'exact'")
     assert shared.get("studio.height") != first and shared.get("window.stale") == []
     assert shared.item("footer-state").inner_text().startswith("Exact, mesh error")
-
-
-def test_the_form_that_a_print_takes_is_offered_beside_the_one_of_the_preview(shared: StudioPage) -> None:
-    shared.open("gallery-star")
-    shared.item("tab-shape").click()
-    shared.wait("studio.state.release?.is_same === true")
-    assert "takes this form too" in shared.item("release").inner_text()
-    (socket,) = shared.live_sockets()
-    shared.item("tab-shape").click()
-    shared.wait("studio.badge.kind === 'exact'")
-    release = {"is_same": False, "energy_percent": -0.4, "apart_percent": 5.2, "is_shown": False}
-    socket.send(json.dumps({**shared.get("studio.state"), "release": release}))
-    shared.wait("document.querySelector('[data-testid=show-released]')")
-    assert "energy -0.4 %" in shared.item("exact-form-released").inner_text().replace("\u2212", "-")
-    socket.send(json.dumps({**shared.get("studio.state"), "release": {**release, "is_shown": True}}))
-    shared.wait("!document.querySelector('[data-testid=show-released]')")
-    assert "energy +0.4 %" in shared.item("exact-form-preview").inner_text()
-
-
-def test_a_report_of_a_settled_sheet_is_about_the_exact_shape(shared: StudioPage) -> None:
-    shared.open("gallery-star")
-    shared.wait("studio.badge.kind === 'exact'")
-    words = shared.get("studio.badge.words")
-    shared.item("export").click()
-    shared.item("export-go").click()
-    shared.wait("document.querySelectorAll('[data-testid=export-result] a').length > 5")
-    assert f"The shape: {words}" in shared.item("export-result").inner_text()
-    shared.page.keyboard.press("Escape")

@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
 
 import pytest
 
 from tests.asterism.studio.browser import StudioPage
-
-# the README's tests open the page in `test_page` only
-pytestmark = pytest.mark.slow
 
 
 def press(page: StudioPage, *places: tuple[float, float]) -> None:
@@ -31,49 +28,49 @@ def press(page: StudioPage, *places: tuple[float, float]) -> None:
         ("gradient", [(-30.0, 0.0), (20.0, 3.0)]),
     ],
 )
-def test_escape_calls_a_stroke_off(shared: StudioPage, tool: str, places: list[tuple[float, float]]) -> None:
-    shared.open("gallery-star" if tool == "needles" else "gallery-dome")
-    shared.item(f"tool-{tool}").click()
-    before, design = shared.get("studio.sizes"), shared.get("studio.document.design")
-    steps = shared.get("studio.document.can_undo")
+def test_escape_calls_a_stroke_off(flat: StudioPage, tool: str, places: list[tuple[float, float]]) -> None:
+    flat.open_again("file-even.toml" if tool == "needles" else "file-plain.toml")
+    flat.item(f"tool-{tool}").click()
+    before, design = flat.get("studio.sizes"), flat.get("studio.document.design")
+    steps = flat.get("studio.document.can_undo")
     if tool == "outline":
-        places = [tuple(shared.get("studio.document.plan.outline_mm[0]")), *places[1:]]
-    press(shared, *places)
-    assert shared.get("studio.isEditing")
-    shared.page.keyboard.press("Escape")
-    assert shared.get("studio.sizes") == before
-    shared.page.mouse.move(*shared.point((0.0, 0.0)))
-    shared.page.mouse.up()
-    shared.rest()
-    assert shared.get("studio.document.design") == design and shared.get("studio.sizes") == before
-    assert shared.get("studio.document.can_undo") == steps
+        places = [tuple(flat.get("studio.document.plan.outline_mm[0]")), *places[1:]]
+    press(flat, *places)
+    assert flat.get("studio.isEditing")
+    flat.page.keyboard.press("Escape")
+    assert flat.get("studio.sizes") == before
+    flat.page.mouse.move(*flat.point((0.0, 0.0)))
+    flat.page.mouse.up()
+    flat.rest()
+    assert flat.get("studio.document.design") == design and flat.get("studio.sizes") == before
+    assert flat.get("studio.document.can_undo") == steps
 
 
-def test_two_fingers_zoom_and_do_not_paint(shared: StudioPage) -> None:
-    shared.open("gallery-dome")
-    shared.item("tool-brush").click()
-    before, scale = shared.get("studio.sizes"), shared.point((10.0, 0.0))[0] - shared.point((0.0, 0.0))[0]
-    touch = shared.page.context.new_cdp_session(shared.page)
+def test_two_fingers_zoom_and_do_not_paint(flat: StudioPage) -> None:
+    flat.open_again("file-plain.toml")
+    flat.item("tool-brush").click()
+    before, scale = flat.get("studio.sizes"), flat.point((10.0, 0.0))[0] - flat.point((0.0, 0.0))[0]
+    touch = flat.page.context.new_cdp_session(flat.page)
 
     def fingers(kind: str, *places: tuple[float, float]) -> None:
-        points = [dict(zip("xy", shared.point(place), strict=True), id=k) for k, place in enumerate(places)]
+        points = [dict(zip("xy", flat.point(place), strict=True), id=k) for k, place in enumerate(places)]
         touch.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
 
     fingers("touchStart", (-5.0, 0.0))
     fingers("touchMove", (-6.0, 0.0))
-    shared.page.wait_for_timeout(100)
+    flat.page.wait_for_timeout(100)
     fingers("touchStart", (-6.0, 0.0), (5.0, 0.0))
     fingers("touchMove", (-9.0, 0.0), (8.0, 0.0))
     fingers("touchMove", (-12.0, 0.0), (11.0, 0.0))
     fingers("touchEnd")
-    shared.rest()
-    assert shared.get("studio.sizes") == before
-    assert shared.point((10.0, 0.0))[0] - shared.point((0.0, 0.0))[0] > 1.2 * scale
+    flat.rest()
+    assert flat.get("studio.sizes") == before
+    assert flat.point((10.0, 0.0))[0] - flat.point((0.0, 0.0))[0] > 1.2 * scale
 
 
-def test_strokes_without_a_connection_follow_when_it_is_there_again(new_page: Any) -> None:
-    page = new_page()
-    page.open("gallery-dome")
+def test_strokes_without_a_connection_follow_when_it_is_there_again(new_flat: Callable[[], StudioPage]) -> None:
+    page = new_flat()
+    page.open_again("file-plain.toml")
     is_open = [True]
     sockets = page.live_sockets(lambda: is_open[0])
     page.item("tool-brush").click()
@@ -91,19 +88,9 @@ def test_strokes_without_a_connection_follow_when_it_is_there_again(new_page: An
     assert saved == [pytest.approx(one, abs=0.01) for one in drawn]
 
 
-def test_a_gradient_by_a_click_says_what_it_replaces_and_takes_it_back(shared: StudioPage) -> None:
-    shared.open("new")
-    shared.item("tool-gradient").click()
-    before = shared.get("studio.sizes")
-    shared.changed(lambda: shared.item("gradient-kind-radial").click())
-    message = shared.page.locator(".toast", has_text="radial gradient")
-    shared.changed(lambda: message.get_by_text("Undo").click())
-    assert shared.get("studio.sizes") == before
-
-
 def test_a_stroke_on_the_sheet_in_space_paints(shared: StudioPage) -> None:
     page = shared
-    page.open("gallery-dome")
+    page.open_again("file-plain.toml")
     page.item("tool-brush").click()
     page.item("view").focus()
     page.page.keyboard.press("2")  # from above
@@ -136,18 +123,18 @@ def test_a_stroke_on_the_sheet_in_space_paints(shared: StudioPage) -> None:
     assert page.get("studio.sizes.map((sizes) => sizes[0])") == after
 
 
-def test_a_pen_that_is_pressed_less_paints_less(shared: StudioPage) -> None:
-    shared.open("gallery-dome")
-    shared.item("tool-brush").click()
-    pen = shared.page.context.new_cdp_session(shared.page)
-    x, y = shared.point((0.0, 0.0))
-    before, changes = shared.get("studio.sizes"), []
+def test_a_pen_that_is_pressed_less_paints_less(flat: StudioPage) -> None:
+    flat.open_again("file-plain.toml")
+    flat.item("tool-brush").click()
+    pen = flat.page.context.new_cdp_session(flat.page)
+    x, y = flat.point((0.0, 0.0))
+    before, changes = flat.get("studio.sizes"), []
     for force in (1.0, 0.25):
         for kind in ("mousePressed", "mouseReleased"):
             told = {"type": kind, "x": x, "y": y, "button": "left", "clickCount": 1, "pointerType": "pen"}
             pen.send("Input.dispatchMouseEvent", {**told, "force": force if kind == "mousePressed" else 0.0})
-        shared.wait("!studio.isEditing && !studio.isWaiting")
-        sizes = shared.get("studio.sizes")
+        flat.wait("!studio.isEditing && !studio.isWaiting")
+        sizes = flat.get("studio.sizes")
         changes.append(max(abs(now[0] - old[0]) for now, old in zip(sizes, before, strict=True)))
-        shared.changed(shared.item("undo").click)
+        flat.changed(flat.item("undo").click)
     assert changes[1] == pytest.approx(0.25 * changes[0], rel=0.02) and changes[0] > 0.1

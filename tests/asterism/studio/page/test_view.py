@@ -9,15 +9,12 @@ import numpy as np
 import pytest
 import trimesh
 
-from tests.asterism.studio.browser import IS_MEASURED, VIEWPORT, StudioPage
-
-# the README's tests open the page in `test_page` only
-pytestmark = pytest.mark.slow
+from tests.asterism.studio.browser import IS_MEASURED, StudioPage
 
 
-def cap(path: Path) -> Path:
+def cap(path: Path, half_mm: float = 40.0) -> Path:
     """A square part of a sphere, away from the origin."""
-    grid = np.linspace(-40.0, 40.0, 16)
+    grid = np.linspace(-half_mm, half_mm, 16)
     x, y = (values.ravel() for values in np.meshgrid(grid, grid))
     number = np.arange(256).reshape(16, 16)
     a, b, c, d = number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]
@@ -27,19 +24,14 @@ def cap(path: Path) -> Path:
     return path
 
 
-def test_bumps_are_left_out_and_come_back_and_a_reload_keeps_the_choice(page: StudioPage) -> None:
-    page.open("gallery-dome")
+def test_bumps_are_left_out_and_a_target_is_laid_on_the_sheet_and_a_reload_keeps_both(
+    shared: StudioPage, tmp_path: Path
+) -> None:
+    page = shared
+    page.open_again("file-plain.toml")
     assert not page.get("studio.isSmooth")
     page.item("show-bumps").click()
     page.wait("studio.isSmooth")
-    page.page.reload()
-    page.wait("window.studio && studio.connected && studio.isSmooth")
-    page.item("show-bumps").click()
-    page.wait("!studio.isSmooth")
-
-
-def test_a_target_is_laid_on_the_sheet_and_kept_over_a_reload(page: StudioPage, tmp_path: Path) -> None:
-    page.open("gallery-dome")
     page.load_target(cap(tmp_path / "cap.stl"))
     assert page.get("studio.ghost") == 450
     fitted = page.get("studio.targetDistance.rms_mm")
@@ -49,8 +41,10 @@ def test_a_target_is_laid_on_the_sheet_and_kept_over_a_reload(page: StudioPage, 
     assert "target" in page.item("legend").inner_text()
 
     page.page.reload()
-    page.wait(f"window.studio && studio.connected && studio.ghost === 450 && {IS_MEASURED}")
+    page.wait(f"window.studio && studio.connected && studio.isSmooth && studio.ghost === 450 && {IS_MEASURED}")
     assert page.get("studio.targetDistance.rms_mm") == pytest.approx(fitted)
+    page.item("show-bumps").click()
+    page.wait("!studio.isSmooth")
     page.item("tab-shape").click()
     page.item("file-target").click()
     page.wait(f"!studio.target.is_fitted && {IS_MEASURED}")
@@ -62,13 +56,14 @@ def test_a_target_is_laid_on_the_sheet_and_kept_over_a_reload(page: StudioPage, 
     assert page.item("view-colour").input_value() == "none"
 
 
-def test_a_shape_that_is_forgotten_before_it_is_drawn_does_not_stop_the_next_ones(page: StudioPage) -> None:
-    page.open("gallery-dome")
+def test_a_shape_that_is_forgotten_before_it_is_drawn_does_not_stop_the_next_ones(shared: StudioPage) -> None:
+    page = shared
+    page.open_again("file-plain.toml")
     hold = "window.requestAnimationFrame = (draw) => held.push(draw)"
     page.get(f"void (window.held = [], window.paint = requestAnimationFrame, {hold})")
-    page.open_without_shape("gallery-star")
+    page.open_without_shape("file-even.toml")
     page.wait("studio.stage !== null && held.length > 0")
-    page.open_without_shape("gallery-cone")
+    page.open_without_shape("file-canopy.toml")
     page.get("(window.requestAnimationFrame = window.paint, held.forEach((draw) => draw()))")
     page.rest()
     drawn = page.get("studio.drawn")
@@ -76,10 +71,13 @@ def test_a_shape_that_is_forgotten_before_it_is_drawn_does_not_stop_the_next_one
     page.wait(f"studio.drawn > {drawn}")
 
 
+TABLET = {"viewport": {"width": 1024, "height": 768}, "device_scale_factor": 0.5, "has_touch": True, "is_mobile": True}
+
+
 def test_a_tablet_has_bars_of_one_row_and_the_menu_has_what_does_not_fit(browser: Any, address: str) -> None:
-    context = browser.new_context(viewport={"width": 1024, "height": 768}, has_touch=True, is_mobile=True)
+    context = browser.new_context(**TABLET)
     page = StudioPage(context.new_page(), address)
-    page.open("gallery-dome")
+    page.open("file-plain.toml")
     for bar in ("plan-bar", "view-bar"):
         tops = page.get(
             f"[...document.querySelectorAll('#{bar} :is(select, button)')].filter((one) => one.offsetParent)"
@@ -95,38 +93,15 @@ def test_a_tablet_has_bars_of_one_row_and_the_menu_has_what_does_not_fit(browser
     context.close()
 
 
-@pytest.mark.parametrize(
-    ("largest", "ticks"), [(7.6, "8 6 4 2 0"), (0.37, "0.4 0.3 0.2 0.1 0.0"), (10.2, "12 9 6 3 0")]
-)
-def test_a_legend_has_round_numbers(shared: StudioPage, largest: float, ticks: str) -> None:
-    shown = shared.page.evaluate(
-        """async (largest) => {
-            const { fieldDomain } = await import("./page/view/colours.js");
-            const { showLegend } = await import("./page/view/legend.js");
-            const element = document.createElement("div");
-            showLegend(element, "distance", fieldDomain("distance", [0, largest]));
-            return [...element.querySelectorAll(".ticks span")].map((one) => one.textContent).join(" ");
-        }""",
-        largest,
-    )
-    assert shown == ticks
+TICKS = {7.6: "8 6 4 2 0", 0.37: "0.4 0.3 0.2 0.1 0.0", 10.2: "12 9 6 3 0"}
 
 
-def test_a_browser_that_cannot_draw_shows_plan_numbers_and_verification(browser: Any, address: str) -> None:
-    context = browser.new_context(viewport=VIEWPORT)
-    context.add_init_script(
-        """const getContext = HTMLCanvasElement.prototype.getContext;
-        HTMLCanvasElement.prototype.getContext = function (kind, ...options) {
-            return kind === "webgl2" ? null : getContext.call(this, kind, ...options);
-        };"""
-    )
-    page = StudioPage(context.new_page(), address)
-    page.open("gallery-star")
-    page.summarised()
-    assert "does not draw in space" in page.item("no-view").inner_text() and not page.item("view-colour").count()
-    page.item("verify").click()
-    page.wait("document.querySelector('[data-testid=verified]')")
-    page.changed(lambda: page.drag((-1.0, 0.0), (1.0, 1.0)))
-    page.summarised()
-    assert page.complaints == []
-    context.close()
+def test_a_legend_has_round_numbers(shared: StudioPage) -> None:
+    shown = """async (largest) => {
+        const { fieldDomain } = await import("./page/view/colours.js");
+        const { showLegend } = await import("./page/view/legend.js");
+        const element = document.createElement("div");
+        showLegend(element, "distance", fieldDomain("distance", [0, largest]));
+        return [...element.querySelectorAll(".ticks span")].map((one) => one.textContent).join(" ");
+    }"""
+    assert {largest: shared.page.evaluate(shown, largest) for largest in TICKS} == TICKS
