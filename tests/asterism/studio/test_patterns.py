@@ -50,18 +50,6 @@ def test_the_plan_has_rods_and_holes_and_no_stars(cross: Document) -> None:
     assert {rod["thickness_mm"][0] for rod in plan["rods"]} == {0.4}
 
 
-def test_sizes_change_in_one_step_and_the_text_keeps_the_rest(cross: Document) -> None:
-    cross.change({"rods.thickness_mm": 0.5})
-    cross.end_gesture()
-    assert cross.layout.drawn_rods[0].thickness[0] == 0.5
-    cross.save()
-    text = cross.path.read_text(encoding="utf-8")
-    assert "thickness_mm = 0.5\n" in text and text.startswith("# two lines\n")
-    assert text.endswith(CROSS[CROSS.index("[mesh]") :])
-    cross.undo()
-    assert cross.text == CROSS
-
-
 def test_ribbons_follow_curves_and_taper(tmp_path: Path) -> None:
     table = {
         "rods": {"draw": [{"circle_mm": {"radius": 10.0}}], "width_mm": {"formula": "1.5 + 0.02*x"}},

@@ -81,37 +81,6 @@ def test_a_sheet_that_cannot_be_laid_out_takes_the_whole_gesture_back(page: Page
     assert page.until("document")["design"] == before["design"]
 
 
-def test_a_file_that_changes_on_disk_is_followed(page: Page, folder: Path):
-    page.until("document")
-    text = (folder / "dome.toml").read_text().replace("to = 4.0", "to = 5.0")
-    (folder / "dome.toml").write_text(text)
-    page.until("followed")
-    followed = page.until("document")
-    assert followed["design"]["stars"]["length_mm"]["to"] == 5.0 and followed["saved"] and followed["can_undo"]
-    (folder / "dome.toml").write_text(text.replace("rings = 3", "rings = -3"))
-    assert page.until("problem")["field"] == "border.rings"
-
-
-def test_the_last_states_can_be_seen_and_shown_again(page: Page, folder: Path):
-    first = page.until("document")
-    page.send(type="sizes", gesture=1, sites=[[0, 0]], length=[5.0])
-    page.until("document", gesture=1)
-    page.send(type="edit", gesture=2, changes={"border": {"rings": 2}})
-    page.until("document", gesture=2)
-    page.send(type="history")
-    states = page.until("history")["states"]
-    assert [state["position"] for state in states] == [0, 1, 2] and states[2]["is_shown"]
-    assert [len(state["at_mm"]) for state in states] == [37, 37, 19] and len(states[0]["outline_mm"]) == 6
-    at = states[1]["at_mm"].index([0.0, 0.0])
-    words = [state["words"] for state in states]
-    assert words == ["Opened", "Star length 10 → 5 mm, 1 star", words[2]] and words[2].startswith("Outline rings")
-    assert states[1]["sizes_mm"][at][0] == 5.0 and states[0]["sizes_mm"][at][0] == 10.0
-    page.send(type="go", position=0)
-    assert page.until("document", revision=first["revision"])["can_redo"]
-    page.send(type="go", position=99)
-    assert not page.until("document", gesture=2)["can_redo"]
-
-
 def test_stars_given_by_number_and_place_can_be_painted(folder: Path):
     path = folder / "dome.toml"
     path.write_text(path.read_text() + "\n[[stars.override]]\nstar = 1\nlength_mm = 5.0\n")

@@ -11,7 +11,6 @@ from asterism.fitting.target import TargetSurface
 from asterism.studio.document import Document
 from asterism.studio.messages import Edit
 from asterism.studio.requests import RequestError
-from asterism.studio.star_sizes import weights_by_site
 from asterism.studio.studio import Studio
 from asterism.studio.target import Target, sheet_weights
 from tests.asterism.studio.conftest import Page
@@ -50,24 +49,6 @@ def test_other_weights_are_refused_in_one_line(page: Page, studio: Studio) -> No
         page.send(type="weigh", gesture=1, sites=[[0, 0]], weights=weights)
         assert problem in page.until("problem")["text"]
     assert studio.document is not None and "fit" not in studio.document.table
-
-
-def test_they_are_saved_in_the_design_and_kept_in_the_autosave(folder: Path) -> None:
-    path = folder / "dome.toml"
-    document = Document.open(path)
-    before = path.read_text(encoding="utf-8")
-    document.weigh([(0, 0), (-1, 2)], [4.0, 0.5])
-    document.keep_work()
-    recovered = Document.open(path)
-    recovered.recover()
-    assert weights_by_site(recovered.table) == {(0, 0): 4.0, (-1, 2): 0.5}
-    document.save()
-    assert path.read_text(encoding="utf-8").startswith(before.rstrip("\n"))
-    again = Document.open(path)
-    assert weights_by_site(again.table) == {(0, 0): 4.0, (-1, 2): 0.5}
-    again.weigh([(0, 0), (-1, 2)], [None, None])
-    again.save()
-    assert path.read_text(encoding="utf-8").strip() == before.strip()
 
 
 def test_each_place_of_the_target_has_the_weight_of_the_nearest_place_of_the_sheet() -> None:
