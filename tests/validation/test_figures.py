@@ -57,7 +57,8 @@ def compared(name: str, law: Law | None) -> Comparison:
 
 @cache
 def shown(name: str) -> Shape:
-    return preview(figure(name))
+    """The preview by the included law, of cells with the plate."""
+    return preview(gallery.load(name))
 
 
 @cache
@@ -148,7 +149,8 @@ def test_figure_3_a_uniform_sheet_rolls_up(model: int) -> None:
     if model == EXACT:  # the energy of the preview hardly depends on the axis
         assert min(abs(axis - other) for other in (30.0, 90.0, 150.0)) < 1.0
     extents = sorted((found.reference, found.other)[model].extent_mm)
-    assert extents[1] < (0.6 if model == EXACT else 0.65) * extents[2]
+    # the flat print has 0.87; a sheet of the plate, whose law the preview has, rolls up less than one of coarse hinges
+    assert extents[1] < (0.6 if model == EXACT else 0.7) * extents[2]
 
 
 @MODELS
