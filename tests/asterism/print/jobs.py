@@ -23,6 +23,24 @@ SMALL: dict[str, Any] = {
     "border": {"rings": 2},
     "pins": [{"edges": [0, 3], "scale": 0.8}],
 }
+# a rim, a rib across it and a vein beyond it
+LEAF: dict[str, Any] = {
+    "name": "leaf",
+    "rods": {
+        "draw": [
+            {
+                "name": "rim",
+                "spline_mm": [(-40, 0), (-20, 13), (10, 17), (40, 0), (10, -17), (-20, -13)],
+                "closed": True,
+                "thickness_mm": 0.6,
+                "width_mm": 1.6,
+            },
+            {"name": "rib", "line_mm": [(-40, 0), (40, 0)], "thickness_mm": 0.4},
+            {"name": "vein", "line_mm": [(-15, 0), (0, 30)], "width_mm": 0.8},
+        ]
+    },
+    "border": {"rods": "rim"},
+}
 
 
 def design(**changes: Any) -> Design:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import ast
-import re
 from pathlib import Path
 from typing import Any
 
@@ -17,31 +15,16 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.drawing.read import read_drawing
 from asterism.pattern.layout.build import layout, load_design
 from asterism.pattern.rods.graph import RodGraph
-from asterism.print.export import export
-from asterism.print.formats.scripts import write_openscad
+from asterism.print.export import PrintExport, export
+from asterism.print.formats.dxf import write_dxf
 from asterism.print.job import Job
 from asterism.print.needles import needles_near_edge
+from asterism.print.rounded import tiny_pieces
 from asterism.print.settings import ExportSettings
+from asterism.print.sheets import middle_lines
 from tests.asterism.commands import Cli
-from tests.asterism.print.jobs import job
+from tests.asterism.print.jobs import LEAF, job
 
-LEAF: dict[str, Any] = {
-    "name": "leaf",
-    "rods": {
-        "draw": [
-            {
-                "name": "rim",
-                "spline_mm": [(-40, 0), (-20, 13), (10, 17), (40, 0), (10, -17), (-20, -13)],
-                "closed": True,
-                "thickness_mm": 0.6,
-                "width_mm": 1.6,
-            },
-            {"name": "rib", "line_mm": [(-40, 0), (40, 0)], "thickness_mm": 0.4},
-            {"name": "vein", "line_mm": [(-15, 0), (0, 30)], "width_mm": 0.8},
-        ]
-    },
-    "border": {"rods": "rim"},
-}
 TAPERED: dict[str, Any] = {
     "rods": {
         "thickness_mm": {"profile": "radial", "from": 0.6, "to": 0.2, "over_mm": 20.0},
@@ -55,36 +38,36 @@ def drawn(data: dict[str, Any] = LEAF, **options: Any) -> Job:
     return job(Design.from_dict(data), **options)
 
 
-@pytest.mark.slow
 def test_names_of_layers_that_every_dxf_has(tmp_path: Path) -> None:
     lines = [{"name": name, "line_mm": [(-20, y), (20, y)]} for y, name in ((-5, "0"), (5, "Defpoints"))]
-    export(Design.from_dict({"rods": {"draw": lines}, "border": {"rectangle_mm": (60, 40)}}), tmp_path)
-    drawing = read_drawing(tmp_path / "middle-lines.dxf", 0.005)
-    assert {"0", "Defpoints"} <= {line.layer for line in drawing.lines}
+    one = drawn({"rods": {"draw": lines}, "border": {"rectangle_mm": (60, 40)}})
+    write_dxf(tmp_path / "lines.dxf", middle_lines(one))
+    assert {"0", "Defpoints"} <= {line.layer for line in read_drawing(tmp_path / "lines.dxf", 0.005).lines}
+
+
+@pytest.fixture(scope="module")
+def leaf(tmp_path_factory: pytest.TempPathFactory) -> tuple[PrintExport, Path]:
+    """The export of the leaf, and its folder."""
+    folder = tmp_path_factory.mktemp("leaf")
+    return export(Design.from_dict(LEAF), folder), folder
 
 
 @pytest.mark.slow
-def test_solids_are_closed_and_as_large_as_the_lines(tmp_path: Path) -> None:
-    exported = export(Design.from_dict(LEAF), tmp_path)
-    mesh = trimesh.load_mesh(tmp_path / "rods.stl")
+def test_solids_are_closed_and_as_large_as_the_lines(leaf: tuple[PrintExport, Path]) -> None:
+    exported, folder = leaf
+    mesh = trimesh.load_mesh(folder / "rods.stl")
     graph = exported.job.plan.graph
     lines = sum(rod.length * rod.width[0] * rod.thickness[0] for rod in graph.rods)
     assert mesh.is_watertight and mesh.volume == pytest.approx(lines, rel=0.05)  # lines overlap where they meet
     assert exported.summary.solids["rods"].volume_mm3 == pytest.approx(mesh.volume, rel=1e-4)
     assert "border" not in exported.summary.solids and not exported.summary.printed_border
-    assert "Cut along" not in (text := (tmp_path / "instructions.txt").read_text()) and "outer edge of the" in text
+    assert "Cut along" not in (text := (folder / "instructions.txt").read_text()) and "outer edge of the" in text
 
 
-@pytest.mark.slow
-def test_a_straight_line_is_a_box_of_its_size(tmp_path: Path) -> None:
+def test_a_straight_line_is_a_box_of_its_size() -> None:
     line = {"draw": [{"line_mm": [(-10, 0), (10, 0)]}], "thickness_mm": 0.4}
-    export(
-        Design.from_dict({"rods": line, "border": {"rectangle_mm": (40.0, 20.0)}}),
-        tmp_path,
-        ExportSettings(border=False),
-    )
-    box = trimesh.load_mesh(tmp_path / "rods.stl").bounds
-    np.testing.assert_allclose(box[1] - box[0], [20.0, 1.2, 0.4], atol=1e-3)
+    (rods,) = drawn({"rods": line, "border": {"rectangle_mm": (40.0, 20.0)}}, border=False).solids
+    np.testing.assert_allclose(np.ptp(rods.box, axis=0), [20.0, 1.2, 0.4], atol=1e-3)
 
 
 def test_a_rim_is_cut_along_its_outer_edge() -> None:
@@ -105,40 +88,6 @@ def test_tapered_rods_are_printed_in_layers() -> None:
     assert one.size_changes["thickness"].rods_changed == 1 and one.size_changes["thickness"].stars_changed == 0
 
 
-def test_openscad_has_the_areas_of_the_solids(tmp_path: Path) -> None:
-    one = drawn(turn_deg=30.0)
-    write_openscad(tmp_path / "rods.scad", one)
-    text = (tmp_path / "rods.scad").read_text()
-    assert "star" not in text
-    table = ast.literal_eval(re.search(r"parts = (\[.*?\n\]);", text, re.DOTALL)[1])  # type: ignore[index]
-    strips = []
-    for _, start, end, points in (piece for x, y, rod in table for piece in rod if x == y == 0.0):
-        line = np.array(points)
-        strips.append(shapely.LineString(line[:, :2]).buffer(line[0, 2] / 2, cap_style="flat", quad_segs=8))
-        strips += [shapely.Point(line[k, :2]).buffer(line[k, 2] / 2) for k, on in ((0, start), (-1, end)) if on]
-    low, high = one.solids[0].box[:, :2]
-    assert shapely.union_all(strips).bounds == pytest.approx([*low, *high], abs=0.005)
-    assert shapely.union_all(strips).area == pytest.approx(one.pattern[0].region.area, rel=2e-3)
-
-
-def test_lua_makes_the_same_prisms(tmp_path: Path) -> None:
-    lupa = pytest.importorskip("lupa")
-    from asterism.print.formats.scripts import write_icesl
-
-    one = drawn()
-    write_icesl(tmp_path / "rods.lua", one)
-    lua, emitted = lupa.LuaRuntime(), []
-    lua.globals().v = lambda x, y, z: (x, y, z)
-    lua.globals().linear_extrude = lambda along, outline: [
-        shapely.Polygon([outline[k][:2] for k in range(1, len(outline) + 1)])
-    ]
-    lua.globals().union = lambda one, other: one + other
-    lua.globals().emit = emitted.append
-    lua.execute((tmp_path / "rods.lua").read_text())
-    area = shapely.union_all([region for rod in emitted for region in rod]).area
-    assert len(emitted) == len(one.plan.graph.rods) and area == pytest.approx(one.pattern[0].region.area, rel=2e-3)
-
-
 def same_graph(one: RodGraph, other: RodGraph, shift: np.ndarray) -> float:
     """mm, the largest distance of nodes and of lines of two drawings; infinite if they differ in kind."""
     if len(one.rods) != len(other.rods) or len(one.joints) != len(other.joints):
@@ -150,14 +99,13 @@ def same_graph(one: RodGraph, other: RodGraph, shift: np.ndarray) -> float:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("suffix", ["svg", "dxf"])
-def test_middle_lines_are_read_again_within_a_micrometre(tmp_path: Path, suffix: str) -> None:
-    export(Design.from_dict(LEAF), tmp_path)
+def test_middle_lines_are_read_again_within_a_micrometre(leaf: tuple[PrintExport, Path], suffix: str) -> None:
+    _, folder = leaf
     layers = {"rim": {"thickness_mm": 0.6}, "rib": {"thickness_mm": 0.4}, "vein": {"thickness_mm": 0.4}}
     drawing = {"file": f"middle-lines.{suffix}", "width": "stroke", "layers": layers}
     rods = {"import": [drawing], "curve_mm": 0.0005}
-    again = layout(Design.from_dict({"rods": rods, "border": {"rectangle_mm": (90, 50)}}, tmp_path)).graph
-    graph = load_design(tmp_path / "rounded.toml")
-    first = layout(graph).graph
+    again = layout(Design.from_dict({"rods": rods, "border": {"rectangle_mm": (90, 50)}}, folder)).graph
+    first = layout(load_design(folder / "rounded.toml")).graph
     corners = np.concatenate([rod.points for rod in first.rods])
     middle = 0.5 * (corners.min(axis=0) + corners.max(axis=0))
     assert same_graph(first, again, middle) < 1e-3
@@ -177,26 +125,20 @@ def test_needles_on_a_curved_outline_are_evenly_spaced() -> None:
 def test_islands_that_may_jump_off_are_named() -> None:
     dot = {"line_mm": [(0, 10), (2, 10)]}
     cross = [{"line_mm": [(-10, 0), (10, 0)]}, {"line_mm": [(0, -1), (0, 1)]}]
-    from asterism.print.rounded import tiny_pieces
-
     one = drawn({"rods": {"draw": [dot, *cross]}, "border": {"rectangle_mm": (40.0, 40.0)}})
     assert tiny_pieces(one.plan, 3.0) == [{"at_mm": [1.0, 10.0], "arm_mm": 2.0}]
 
 
 @pytest.mark.slow
-def test_the_command_exports_a_drawing_and_says_that_no_preview_is_known(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, cli: Cli
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "bow.toml").write_text(
+def test_the_command_exports_a_drawing_and_says_that_no_preview_is_known(here: Path, cli: Cli) -> None:
+    (here / "bow.toml").write_text(
         'name = "bow"\n[rods]\nthickness_mm = 0.33\n[[rods.draw]]\nline_mm = [[-10, 0], [0, 5], [10, 0]]\n'
         "[border]\nrectangle_mm = [40, 30]\n"
     )
     done = cli(["export", "bow.toml"])
     assert done.status == 0 and "2 of 2 rods rounded" in done.out and "use --simulate" in done.out
-    assert {"rods.stl", "border.stl", "print.3mf", "rods.scad", "middle-lines.svg", "start.gcode"} <= {
-        file.name for file in (tmp_path / "bow-print").iterdir()
-    }
+    files = {"rods.stl", "border.stl", "print.3mf", "rods.scad", "middle-lines.svg", "start.gcode"}
+    assert files <= {file.name for file in (here / "bow-print").iterdir()}
 
 
 def test_holes_have_cut_lines_and_a_printed_line_to_cut_along() -> None:
@@ -209,12 +151,7 @@ def test_holes_have_cut_lines_and_a_printed_line_to_cut_along() -> None:
     assert len(one.cut) == 3 and plain.area == pytest.approx(25 * np.pi, rel=1e-3)
     assert inner.area == pytest.approx(4.4**2 * np.pi, rel=5e-3)  # along the inner edge of the rim
     assert one.border is not None and one.border.region.intersection(plain).area > 5.0
-    assert one.border.region.intersection(shapely.Polygon(window_outline())).area < 1e-6
-
-
-def window_outline() -> np.ndarray:
-    a = np.linspace(0, 2 * np.pi, 60, endpoint=False)
-    return np.column_stack([12 + 5.6 * np.cos(a), 5.6 * np.sin(a)])
+    assert one.border.region.intersection(shapely.Point(12.0, 0.0).buffer(5.6)).area < 1e-6
 
 
 @pytest.mark.slow

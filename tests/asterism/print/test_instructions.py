@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import pytest
@@ -80,24 +79,14 @@ def test_a_height_with_released_fabric_is_told_wherever_it_stands() -> None:
         assert ("thinner when stretched" in said(one)) == told
 
 
-def test_printers_that_home_onto_the_bed_are_warned_of() -> None:
+def test_the_text_is_about_this_printer_this_frame_and_this_sheet() -> None:
     assert "BEFORE the frame is on it" in said(job(printer={"homes": "onto"}))
     assert "BEFORE" not in said(job(printer={"homes": "away"}))
-
-
-@pytest.mark.parametrize(
-    ("options", "words"),
-    [
-        ({"border": False}, "along the cut line of layout.pdf"),
-        ({}, "along the inner edge of the printed line"),
-    ],
-)
-def test_how_to_cut(options: dict[str, Any], words: str) -> None:
-    assert words in said(job(**options))
-
-
-def test_free_sheets_have_no_needles() -> None:
-    assert "no pins" in said(job(design(pins=[])))
+    assert "along the cut line of layout.pdf" in said(job(border=False))
+    assert "along the inner edge of the printed line" in said(job())
+    large = job(design(fabric={"stretch": 2.8}, border={"rings": 0}, pins=[]))
+    assert "Draw a square of 60 mm" in said(large) and "no pins" in said(large)
+    assert sheets.needle_sheet(large) is None
 
 
 @pytest.mark.parametrize("name", ["small", "W" * 100])
@@ -105,18 +94,13 @@ def test_texts_stay_on_their_pages(name: str) -> None:
     one = job(design(name=name.strip()))
     template = sheets.needle_sheet(one)
     assert template is not None
+    many = sheets.needle_sheet(job(needle_spacing_mm=4.0))
+    assert many is not None
     pages = instructions.as_pages(one, chapters(one))
     assert len(pages) == 2
-    for page in (*pages, sheets.layout_sheet(one), sheets.stretch_sheet(one), template):
+    for page in (*pages, sheets.layout_sheet(one), sheets.stretch_sheet(one), template, many):
         check_texts(page)
     assert all(tuple(page.size_mm) == (210.0, 297.0) for page in pages)
-
-
-def test_many_needles_make_a_longer_page() -> None:
-    one = job(needle_spacing_mm=4.0)
-    template = sheets.needle_sheet(one)
-    assert template is not None and 20 < len(one.needles) < 40
-    check_texts(template)
 
 
 def test_needles_without_a_place_get_no_hole() -> None:

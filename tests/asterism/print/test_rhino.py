@@ -23,7 +23,9 @@ rhino3dm: Any = pytest.importorskip("rhino3dm")
 
 
 def dome() -> Design:
+    """Seven stars on needles, one of them raised."""
     data = gallery.load("dome").to_dict()
+    data["pins"] = [*data["pins"], {"points_mm": [[0.0, 0.0]], "target_mm": [[0.0, 0.0, 9.0]]}]
     return Design.from_dict(data | {"border": {"rings": 1}, "stars": {"length_mm": 8.0, "thickness_mm": 0.3}})
 
 
@@ -51,18 +53,11 @@ def points(curve: Any) -> np.ndarray:
 @pytest.mark.slow
 def test_layers_hold_the_print_the_sheet_and_the_base(written: tuple[Any, Path]) -> None:
     exported, folder = written
-    found = by_layer(folder / "model.3dm")
-    layers = ["base::drilling", "print::needles", "print::outline", "print::plastic"]
-    assert sorted(found) == [*layers, "space::arms", "space::outline", "space::sheet"]
-    assert "model.3dm" in exported.files
-    needles = exported.job.needles
-    assert len(found["print::needles"]) == len(needles) and len(found["base::drilling"]) == 2 * len(needles)
-    assert len(found["space::arms"]) == len(exported.job.shape.rods) == 3 * 7
-
-
-def test_the_outline_and_the_needles_lie_as_on_the_layout(written: tuple[Any, Path]) -> None:
-    exported, folder = written
     found, job_ = by_layer(folder / "model.3dm"), exported.job
+    layers = ["base::drilling", "print::needles", "print::outline", "print::plastic"]
+    assert sorted(found) == [*layers, "space::arms", "space::needles", "space::outline", "space::sheet"]
+    assert "model.3dm" in exported.files
+    # as on the layout
     (outline,) = (points(thing.Geometry) for thing in found["print::outline"])
     assert np.allclose(outline[:-1, :2], job_.placement.points(job_.plan.outline)) and not outline[:, 2].any()
     assert np.array_equal(outline[0], outline[-1])
@@ -72,9 +67,18 @@ def test_the_outline_and_the_needles_lie_as_on_the_layout(written: tuple[Any, Pa
         place = thing.Geometry.Location
         assert thing.Attributes.Name == f"needle {needle.number}"
         assert np.allclose([place.X, place.Y], job_.placement.points(needle.printed))
+    # the base is drilled where the needles stand
+    drilling = found["base::drilling"]
+    circles = [thing.Geometry for thing in drilling if not isinstance(thing.Geometry, rhino3dm.Point)]
+    assert len(drilling) == 2 * len(job_.needles)
+    for circle, needle in zip(circles, job_.needles, strict=True):
+        box = circle.GetBoundingBox()
+        assert np.allclose([box.Center.X, box.Center.Y], needle.place[:2], atol=1e-6)
+        assert pytest.approx(1.0, rel=1e-6) == box.Max.X - box.Min.X
 
 
-def test_the_sheet_in_space_is_the_shape(written: tuple[Any, Path]) -> None:
+@pytest.mark.slow
+def test_the_sheet_in_space_is_the_shape_on_its_needles(written: tuple[Any, Path]) -> None:
     exported, folder = written
     found, shape = by_layer(folder / "model.3dm"), exported.job.shape
     (sheet,) = (thing.Geometry for thing in found["space::sheet"])
@@ -82,44 +86,18 @@ def test_the_sheet_in_space_is_the_shape(written: tuple[Any, Path]) -> None:
     faces = np.array([sheet.Faces[number] for number in range(len(sheet.Faces))])
     assert np.allclose(vertices, shape.positions, atol=1e-4)  # the file has single precision
     assert np.array_equal(faces[:, :3], shape.triangles) and np.array_equal(faces[:, 2], faces[:, 3])
+    assert len(found["space::arms"]) == len(shape.rods) == 3 * 7
     assert np.allclose(points(found["space::arms"][0].Geometry), shape.positions[shape.rods[0]])
     (outline,) = (points(thing.Geometry) for thing in found["space::outline"])
     corners = shape.at(exported.job.plan.outline)
     assert all(np.linalg.norm(outline - corner, axis=1).min() < 1e-9 for corner in corners)
-
-
-def test_the_base_is_drilled_where_the_needles_stand(written: tuple[Any, Path]) -> None:
-    exported, folder = written
-    found = by_layer(folder / "model.3dm")["base::drilling"]
-    circles = [thing.Geometry for thing in found if not isinstance(thing.Geometry, rhino3dm.Point)]
-    for circle, needle in zip(circles, exported.job.needles, strict=True):
-        box = circle.GetBoundingBox()
-        assert np.allclose([box.Center.X, box.Center.Y], needle.place[:2], atol=1e-6)
-        width = box.Max.X - box.Min.X
-        assert width == pytest.approx(1.0, rel=1e-6)
-
-
-@pytest.mark.slow
-def test_raised_needles_reach_from_the_base_to_the_sheet(tmp_path: Path) -> None:
-    data = dome().to_dict()
-    data["pins"] = [*data["pins"], {"points_mm": [[0.0, 0.0]], "target_mm": [[0.0, 0.0, 9.0]]}]
-    lifted = Design.from_dict(data)
-    exported = asterism.export(lifted, tmp_path, asterism.ExportSettings(preview=True, formats=("3dm",)))
-    (line,) = by_layer(tmp_path / "model.3dm")["space::needles"]
-    raised = next(needle for needle in exported.job.needles if needle.is_raised)
+    # from the base to the sheet
+    (line,) = found["space::needles"]
+    (raised,) = (needle for needle in exported.job.needles if needle.is_raised)
     foot, upper = (np.array([p.X, p.Y, p.Z]) for p in (line.Geometry.PointAtStart, line.Geometry.PointAtEnd))
     assert line.Attributes.Name == f"needle {raised.number}"
-    assert upper[2] - foot[2] == pytest.approx(9.0) and np.allclose(
-        upper, exported.job.shape.at(raised.printed[None])[0]
-    )
-
-
-@pytest.mark.slow
-def test_a_later_export_without_the_format_removes_the_file(tmp_path: Path) -> None:
-    flat = Design.from_dict({"stars": {"length_mm": 8.0, "thickness_mm": 0.3}, "border": {"rings": 0}})
-    assert "model.3dm" in asterism.export(flat, tmp_path, asterism.ExportSettings(formats=("3dm",))).files
-    asterism.export(flat, tmp_path)
-    assert not (tmp_path / "model.3dm").exists()
+    assert upper[2] - foot[2] == pytest.approx(9.0)
+    assert np.allclose(upper, shape.at(raised.printed[None])[0])
 
 
 def test_without_a_shape_all_lies_in_a_plane(tmp_path: Path) -> None:

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-import os
-import subprocess
-import sys
-from collections import Counter
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -22,6 +19,7 @@ from asterism.print.job import Job
 from tests.asterism.print import measure
 from tests.asterism.print.jobs import design, job
 
+ezdxf = pytest.importorskip("ezdxf")
 pytest.importorskip("pypdfium2")
 SAME_MM = 0.01
 
@@ -67,28 +65,31 @@ def test_the_check_square_on_the_rendered_pdf(one: Job, folder: Path, page: int)
         assert places.mean() == pytest.approx(90.0, abs=2 / scale)
 
 
-def test_pages_are_a3_with_the_papers_frame(folder: Path) -> None:
+def test_pages_are_a3_with_the_papers_frame_and_everything_on_them(one: Job, folder: Path) -> None:
     for page in range(3):
         assert measure.pdf_size_mm(folder / "layout.pdf", page) == pytest.approx((420.0, 297.0), abs=SAME_MM)
-
-
-def test_pages_grow_with_the_frame(tmp_path: Path) -> None:
-    large = job(printer={"frame": {"size_mm": [400.0, 350.0], "plate_mm": 4.0}})
-    write_pdf(tmp_path / "a.pdf", [sheets.layout_sheet(large)])
-    assert measure.pdf_size_mm(tmp_path / "a.pdf", 0) == pytest.approx((560.0, 387.0), abs=SAME_MM)
+    template = sheets.needle_sheet(one)
+    assert template is not None
+    for drawing in (sheets.layout_sheet(one), sheets.stretch_sheet(one), template):
+        check_page(drawing)
 
 
 @pytest.mark.slow
 def test_the_check_square_on_the_rendered_svg(one: Job, folder: Path) -> None:
     pytest.importorskip("resvg_py")
+    root = ElementTree.parse(folder / "layout.svg").getroot()
+    assert (root.get("width"), root.get("height"), root.get("viewBox")) == ("420mm", "297mm", "0 0 420 297")
+    groups = {group.get("id") for group in root.iter("{http://www.w3.org/2000/svg}g")}
+    assert {"cut", "stars", "frame", "check-after-stretching", "needles"} <= groups
+    # any name survives
+    assert one.design.name in [text.text for text in root.iter("{http://www.w3.org/2000/svg}text")]
     scale = 254 / 25.4
     image = measure.svg_pixels(folder / "layout.svg", scale)
     assert image.shape[:2] == (2970, 4200)  # 297 x 420 mm at ten pixels a millimetre
     x, y = middle(sheets.layout_sheet(one))
     rows = slice(int((297 - y - 32) * scale), int((297 - y - 20) * scale))
-    places = np.array(
-        measure.lines_mm(measure.orange(image[rows, int((x - 90) * scale) : int((x + 90) * scale)]), scale)
-    )
+    band = image[rows, int((x - 90) * scale) : int((x + 90) * scale)]
+    places = np.array(measure.lines_mm(measure.orange(band), scale))
     assert len(places) == 4
     assert places[2] - places[1] == pytest.approx(100.0, abs=SAME_MM)
     assert places[3] - places[0] == pytest.approx(135.0, abs=SAME_MM)
@@ -96,30 +97,26 @@ def test_the_check_square_on_the_rendered_svg(one: Job, folder: Path) -> None:
 
 def test_dxf_is_sound_and_in_millimetres(one: Job, folder: Path) -> None:
     """Without $INSUNITS = 4 a laser cutter may take the numbers for inches."""
-    import ezdxf
-
     for name in ("layout.dxf", "needles.dxf"):
         document = ezdxf.readfile(folder / name)
         audit = document.audit()
         assert not audit.errors and not audit.fixes
         assert document.header["$INSUNITS"] == 4 and document.header["$MEASUREMENT"] == 1
-        text = (folder / name).read_text(encoding="utf-8")
-        assert "$INSUNITS\n 70\n4\n" in text
         assert all(entity.dxf.layer in document.layers for entity in document.modelspace())
-
-
-def test_dxf_can_be_seen_on_black_and_on_white(folder: Path) -> None:
-    import ezdxf
-
+    # no dates: the same drawing is the same file
+    write_dxf(folder / "again.dxf", sheets.layout_sheet(one))
+    assert (folder / "again.dxf").read_bytes() == (folder / "layout.dxf").read_bytes()
+    assert b"CreationDate" not in (folder / "layout.pdf").read_bytes()
+    # seen on black and on white
     layers = ezdxf.readfile(folder / "layout.dxf").layers
     for name in ("stars", "text"):
         assert layers.get(name).color == 7 and layers.get(name).rgb is None
     assert layers.get("cut").rgb == (0xD0, 0x1C, 0x1C)
+    # other drawings of this process keep their dates
+    assert not ezdxf.options.write_fixed_meta_data_for_testing
 
 
 def test_dxf_has_the_right_sizes_on_the_right_layers(one: Job, folder: Path) -> None:
-    import ezdxf
-
     space = ezdxf.readfile(folder / "layout.dxf").modelspace()
 
     def outlines(layer: str) -> list[np.ndarray]:
@@ -144,31 +141,10 @@ def test_dxf_has_the_right_sizes_on_the_right_layers(one: Job, folder: Path) -> 
     needles = [circle.dxf.center for circle in space.query("CIRCLE") if circle.dxf.layer == "needles"]
     assert np.array(needles)[:, :2] == pytest.approx(np.array([n.printed for n in one.needles]), abs=SAME_MM)
 
-
-def test_the_drilling_template_has_the_needles_in_space(one: Job, folder: Path) -> None:
-    import ezdxf
-
     space = ezdxf.readfile(folder / "needles.dxf").modelspace()
     holes = np.array([circle.dxf.center for circle in space.query("CIRCLE")])[:, :2]
-    places = np.array([needle.place for needle in one.needles])[:, :2]
-    assert holes == pytest.approx(places, abs=SAME_MM)
     # two edges of the hexagon, held at 0.8 of their printed place
-    assert places == pytest.approx(0.8 * np.array([n.printed for n in one.needles]))
-
-
-def test_svg_is_in_millimetres_and_survives_any_name(one: Job, folder: Path) -> None:
-    from xml.etree import ElementTree
-
-    root = ElementTree.parse(folder / "layout.svg").getroot()
-    assert (root.get("width"), root.get("height"), root.get("viewBox")) == ("420mm", "297mm", "0 0 420 297")
-    groups = {group.get("id") for group in root.iter("{http://www.w3.org/2000/svg}g")}
-    assert {"cut", "stars", "frame", "check-after-stretching", "needles"} <= groups
-    texts = [text.text for text in root.iter("{http://www.w3.org/2000/svg}text")]
-    assert one.design.name in texts
-
-
-def test_a_free_sheet_needs_no_template() -> None:
-    assert sheets.needle_sheet(job(design(pins=[]))) is None
+    assert holes == pytest.approx(0.8 * np.array([n.printed for n in one.needles]), abs=SAME_MM)
 
 
 @pytest.mark.parametrize(
@@ -177,7 +153,6 @@ def test_a_free_sheet_needs_no_template() -> None:
         (1.35, {}, 100.0),
         (2.8, {}, 60.0),
         (1.35, {"bed_mm": [300.0, 280.0]}, 100.0),
-        (1.35, {"frame": {"size_mm": [130.0, 140.0]}}, 50.0),
         ([1.2, 1.8], {"frame": {"size_mm": [130.0, 140.0]}}, 40.0),
         (1.35, {"frame": {"size_mm": [130.0, 40.0], "bar_mm": 5.0}}, 10.0),
     ],
@@ -205,24 +180,13 @@ def test_a_fabric_that_stays_longer_is_stretched_further() -> None:
     assert "stretched by 1.352 along x and 1.248 along y" in " ".join(texts(sheets.layout_sheet(made)))
 
 
-def test_everything_is_on_its_page(one: Job) -> None:
-    template = sheets.needle_sheet(one)
-    assert template is not None
-    for drawing in (sheets.layout_sheet(one), sheets.stretch_sheet(one), template):
-        check_page(drawing)
-
-
 def check_page(drawing: Drawing) -> None:
     for item in drawing.items:
-        points = (
-            item.points
-            if isinstance(item, Polyline)
-            else np.atleast_2d(getattr(item, "at", getattr(item, "centre", 0)))
-        )
+        points = item.points if isinstance(item, Polyline) else getattr(item, "at", getattr(item, "centre", None))
         assert (points >= drawing.low).all() and (points <= drawing.high).all()
 
 
-@pytest.mark.parametrize("place", [[0.0, 0.0], [2.0, 2.2], [0.0, 9.0], [-8.0, -2.0]])
+@pytest.mark.parametrize("place", [[0.0, 0.0], [2.0, 2.2], [-8.0, -2.0]])
 def test_the_origin_is_not_written_over_a_needle(place: list[float]) -> None:
     """Nor over its number and height, which stand to its right."""
     mast = {"points_mm": [place], "target_mm": [*place, 25.0]}
@@ -239,49 +203,6 @@ def texts(page: Drawing) -> list[str]:
     return [item.text for item in page.items if isinstance(item, Label)]
 
 
-def test_every_text_of_a_pdf_is_there_once(tmp_path: Path) -> None:
-    """Numbers of needles have white around them, which is no text."""
-    drawing = sheets.layout_sheet(job())
-    write_pdf(tmp_path / "a.pdf", [drawing])
-    texts = [item.text for item in drawing.items if isinstance(item, Label)]
-    assert Counter(measure.pdf_words(tmp_path / "a.pdf", 0)) == Counter(" ".join(texts).split())
-
-
-WRITES = """
-import sys
-import numpy as np
-from pathlib import Path
-from asterism.print.formats.dxf import write_dxf
-from asterism.print.formats.pdf import write_pdf
-from asterism.print.drawing import Drawing, Label, rectangle
-from asterism.print.drawing import CUT, TEXT
-items = (rectangle(CUT, (10.0, 10.0)), Label(TEXT, np.zeros(2), "Kuppel"))
-drawing = Drawing("a", np.full(2, -9.0), np.full(2, 9.0), items)
-write_dxf(Path(sys.argv[1]) / "a.dxf", drawing)
-write_pdf(Path(sys.argv[1]) / "a.pdf", [drawing])
-"""
-
-
-@pytest.mark.slow
-def test_the_same_drawing_is_the_same_file(tmp_path: Path) -> None:
-    """In another process too, where the order of sets is another."""
-    for seed in ("1", "4"):
-        (tmp_path / seed).mkdir()
-        words = [sys.executable, "-c", WRITES, str(tmp_path / seed)]
-        subprocess.run(words, check=True, env=os.environ | {"PYTHONHASHSEED": seed})
-    for name in ("a.dxf", "a.pdf"):
-        assert (tmp_path / "1" / name).read_bytes() == (tmp_path / "4" / name).read_bytes()
-    # processes may run within a second
-    assert b"CreationDate" not in (tmp_path / "1" / "a.pdf").read_bytes()
-
-
-def test_dates_of_other_dxf_files_stay(tmp_path: Path) -> None:
-    import ezdxf
-
-    write_dxf(tmp_path / "a.dxf", sheets.layout_sheet(job()))
-    assert not ezdxf.options.write_fixed_meta_data_for_testing
-
-
 @pytest.mark.parametrize(
     ("stretch", "turn", "stretched_deg", "released_deg"), [(1.35, 90.0, 120.0, 120.0), ([1.5, 1.2], 0.0, 24.79, 30.0)]
 )
@@ -293,9 +214,5 @@ def test_an_arrow_shows_the_grain(stretch: Any, turn: float, stretched_deg: floa
         arrow = next(item for item in page.items if isinstance(item, Polyline) and item.layer.name == "grain")
         along = arrow.points[1] - arrow.points[0]
         assert np.degrees(np.arctan2(along[1], along[0])) == pytest.approx(angle, abs=0.01)
-        assert "grain" in " ".join(item.text for item in page.items if isinstance(item, Label))
-
-
-def test_fabric_without_a_grain_has_no_arrow(one: Job) -> None:
-    for page in (sheets.layout_sheet(one), sheets.stretch_sheet(one)):
-        assert not [item for item in page.items if isinstance(item, Polyline) and item.layer.name == "grain"]
+        assert "grain" in " ".join(texts(page))
+    assert not [item for item in sheets.layout_sheet(job()).items if item.layer.name == "grain"]
