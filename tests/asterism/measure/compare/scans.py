@@ -29,7 +29,7 @@ def motion(seed: int) -> tuple[Floats, Floats]:
 
 
 def scanned(
-    shape: Shape, seed: int, noise_mm: float = 0.2, part: float = 1.0, other: float = 0.05
+    shape: Shape, seed: int, noise_mm: float = 0.2, part: float = 1.0, other: float = 0.05, count: int = 2500
 ) -> tuple[Floats, Floats]:
     """Points on a shape with noise, only those of a part of its width, and points of other things at the end.
 
@@ -39,7 +39,7 @@ def scanned(
     of_sheet : (n,) bool.
     """
     rng = np.random.default_rng(seed)
-    points = surface_samples(shape.positions, shape.triangles, 6000, rng)[0]
+    points = surface_samples(shape.positions, shape.triangles, count, rng)[0]
     points = points[points[:, 0] < np.quantile(points[:, 0], part)]
     points = points + noise_mm * rng.normal(size=points.shape)
     things = rng.uniform(-60, 60, (int(other * len(points)), 3))

@@ -10,6 +10,7 @@ import pytest
 import trimesh
 from PIL import Image
 
+from asterism.measure.compare import registration
 from asterism.measure.compare.outline import silhouette
 from asterism.pattern.geometry.diameter import diameter
 from asterism.shape.vtu import write_shape_vtu
@@ -44,7 +45,7 @@ def test_a_scan_in_inches(folder: Path, cli: Cli) -> None:
     assert seen.status == 2 and "--view is for outlines" in seen.line
     done = cli([*words, "--units", "in"])
     assert done.status == 0, done.err
-    assert "of the shape's diameter" in done.out
+    assert "of the shape's diameter" in done.out and "perhaps another size" not in done.out
     numbers = json.loads((folder / "scan-compared" / "summary.json").read_text())
     assert numbers["units"] == "in" and 0.2 < numbers["rms_mm"] < 0.8 and numbers["shape_covered_percent"] > 98
     with Image.open(folder / "scan-compared" / "compare.png") as picture:
@@ -54,10 +55,16 @@ def test_a_scan_in_inches(folder: Path, cli: Cli) -> None:
         assert (np.ptp(colours, axis=1) > 8).mean() > 0.02
 
 
+@pytest.fixture
+def few_starts(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where it does not matter which pose is found, or where the first is good."""
+    monkeypatch.setattr(registration, "_RANDOM_STARTS", 20)
+
+
 @pytest.mark.slow
-def test_a_scan_that_fits_nowhere_ends_with_1(folder: Path, cli: Cli) -> None:
+def test_a_scan_that_fits_nowhere_ends_with_1(folder: Path, cli: Cli, few_starts: None) -> None:
     rng = np.random.default_rng(0)
-    points = rng.uniform(-35, 35, (3000, 3))
+    points = rng.uniform(-35, 35, (600, 3))
     (folder / "cloud.obj").write_text("\n".join(f"v {x:.3f} {y:.3f} {z:.3f}" for x, y, z in points))
     done = cli(["compare", str(folder / "shape.vtu"), str(folder / "cloud.obj")])
     assert done.status == 1 and "cloud.obj fits nowhere" in done.err
@@ -65,24 +72,10 @@ def test_a_scan_that_fits_nowhere_ends_with_1(folder: Path, cli: Cli) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("scale", [1.0, 1.08])
-def test_a_scan_of_another_size(folder: Path, scale: float, cli: Cli) -> None:
-    trimesh.Trimesh(SHAPE.positions * scale, SHAPE.triangles, process=False).export(folder / "scan.ply")
+def test_a_scan_of_another_size(folder: Path, cli: Cli, few_starts: None) -> None:
+    trimesh.Trimesh(SHAPE.positions * 1.08, SHAPE.triangles, process=False).export(folder / "scan.ply")
     done = cli(["compare", str(folder / "shape.vtu"), str(folder / "scan.ply")])
-    assert done.status == 0, done.err
-    assert ("perhaps another size" in done.out and "1.08" in done.out) is (scale != 1.0)
-
-
-@pytest.mark.slow
-def test_an_outline_from_above(folder: Path, cli: Cli) -> None:
-    corners = np.array([[-50, -40], [50, -40], [50, 40], [-50, 40]]) * 1.02 + [10, 20]
-    (folder / "outline.csv").write_text("x_mm,y_mm\n" + "".join(f"{x:.2f},{y:.2f}\n" for x, y in corners))
-    words = ["compare", str(folder / "shape.vtu"), str(folder / "outline.csv"), "-o", str(folder / "out")]
-    assert cli(words).status == 0
-    numbers = json.loads((folder / "out" / "summary.json").read_text())
-    assert numbers["area_of_outline_mm2"] == pytest.approx(8000 * 1.02**2, rel=1e-3)
-    assert 0.4 < numbers["mean_outwards_mm"] < 1.1
-    assert (folder / "out" / "compare.png").stat().st_size > 10_000
+    assert done.status == 0 and "perhaps another size" in done.out and "1.08" in done.out, done.err
 
 
 def draw(path: Path, size: str, more: str = "") -> None:
@@ -92,32 +85,32 @@ def draw(path: Path, size: str, more: str = "") -> None:
 
 
 @pytest.mark.slow
-def test_an_outline_among_other_lines(folder: Path, cli: Cli) -> None:
+def test_drawings_with_other_lines_and_of_another_size(folder: Path, cli: Cli) -> None:
     """A picture's frame may be the largest."""
     draw(folder / "o.svg", 'width="120mm" height="100mm"', '<rect width="120" height="100"/>')
-    done = cli(["compare", str(folder / "shape.vtu"), str(folder / "o.svg")])
+    words = ["compare", str(folder / "shape.vtu"), str(folder / "o.svg")]
+    done = cli(words)
     assert done.status == 0 and "2, of which the largest is compared" in done.out
     numbers = json.loads((folder / "o-compared" / "summary.json").read_text())
     assert numbers["lines"] == 2 and numbers["units"] == "its own"
-
-
-def test_a_drawing_of_another_size(folder: Path, cli: Cli) -> None:
     draw(folder / "o.svg", 'width="12mm" height="10mm"')
-    refused = cli(["compare", str(folder / "shape.vtu"), str(folder / "o.svg")])
-    assert refused.status == 2 and "in centimetres; correct its width and height" in refused.line
+    assert "in centimetres; correct its width and height" in cli(words).line
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("scale", "poor"), [([1.0, 1.0], False), ([1.3, 0.7], True)])
-def test_an_outline_that_fits_poorly(scale: list[float], poor: bool, folder: Path, cli: Cli) -> None:
-    corners = silhouette(SHAPE, "above") * scale
+@pytest.mark.parametrize(("scale", "poor"), [([1.02, 1.02], False), ([1.3, 0.7], True)])
+def test_an_outline_from_above(scale: list[float], poor: bool, folder: Path, cli: Cli) -> None:
+    corners = silhouette(SHAPE, "above") * scale + [10, 20]
     (folder / "outline.csv").write_text("x_mm,y_mm\n" + "".join(f"{x:.2f},{y:.2f}\n" for x, y in corners))
-    done = cli(["compare", str(folder / "shape.vtu"), str(folder / "outline.csv")])
+    words = ["compare", str(folder / "shape.vtu"), str(folder / "outline.csv"), "-o", str(folder / "out")]
+    done = cli(words)
     assert done.status == 0 and ("a poor fit" in done.out) == poor
-    numbers = json.loads((folder / "outline-compared" / "summary.json").read_text())
+    numbers = json.loads((folder / "out" / "summary.json").read_text())
+    assert numbers["area_of_outline_mm2"] == pytest.approx(8000 * np.prod(scale), rel=5e-3)
     assert numbers["diameter_mm"] == pytest.approx(diameter(SHAPE.positions))
     assert numbers["rms_percent"] == pytest.approx(100 * numbers["rms_mm"] / numbers["diameter_mm"])
-    assert (numbers["rms_percent"] > 1.5) == poor
+    assert (numbers["rms_percent"] > 1.5) == poor and (poor or 0.4 < numbers["mean_outwards_mm"] < 1.1)
+    assert (folder / "out" / "compare.png").stat().st_size > 10_000
 
 
 @pytest.mark.slow
@@ -134,9 +127,7 @@ def test_a_mirrored_scan_is_not_taken_for_the_shape(folder: Path, cli: Cli) -> N
     [
         ("shape.vtu", "none.obj", None, "none.obj: is not there"),
         ("none.vtu", "a.obj", b"v 1 2 3\n", "none.vtu"),
-        ("shape.vtu", ".", None, ": is a folder, not a file"),
         ("shape.vtu", "a.obj", b"v 1e300 0 0\nv 0 1e300 0\nv 0 0 0\nf 1 2 3\n", "not finite numbers, or too far away"),
-        ("shape.vtu", "a.obj", b"", "a.obj: holds no points"),
         ("shape.vtu", "a.txt", b"", "a.txt: must end in .obj"),
         ("a.vtu", "a.vtu", b"hello", "a.vtu: cannot be read as VTU"),
     ],

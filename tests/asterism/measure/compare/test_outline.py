@@ -23,7 +23,6 @@ RECT = '<rect x="10" y="10" width="50" height="20"/>'
         ('width="100mm" height="100mm" viewBox="0 0 100 100"', 1.0),
         ('width="10cm" height="10cm" viewBox="0 0 200 200"', 0.5),
         ('width="2in" height="2in" viewBox="0 0 100 100"', 0.508),
-        ('width="72pt" height="6pc" viewBox="0 0 100 100"', 0.254),
         ('width="100mm" height="80mm"', 25.4 / 96),  # without a viewBox a unit is a pixel, whatever the size
         ('viewBox="0 0 100 100"', 1.0),
     ],
@@ -48,10 +47,7 @@ def test_curves_and_transforms(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("body", "lines"),
     [
-        ('<path d="M0 0 L100 0 L100 90"/>', 1),
-        ('<rect width="90" height="90" visibility="hidden"/>', 1),
         ('<g visibility="hidden"><rect width="90" height="90"/></g>', 1),
-        ('<marker><rect width="90" height="90"/></marker>', 1),
         ('<mask><rect width="90" height="90"/></mask><symbol id="b"><rect width="90" height="90"/></symbol>', 1),
         ('<symbol id="b"><rect width="9" height="9"/></symbol><use href="#b"/>', 2),
         ('<polyline points="0,0 20,0 20,20 0,0"/>', 2),
@@ -80,26 +76,12 @@ def test_a_drawing_with_a_size_takes_no_unit(tmp_path: Path) -> None:
     [
         ("a.svg", "", "SVG"),
         ("a.svg", SVG.format(size="", body=""), "no line"),
-        ("a.svg", SVG.format(size="", body='<path d="M0 0 H9 V9"/>'), "holds no closed line with three corners"),
         ("a.svg", "<html></html>", "is not a drawing in SVG"),
-        (
-            "a.svg",
-            SVG.format(size='width="100px" height="100px"', body=RECT),
-            "size in px: give width and height in mm",
-        ),
-        (
-            "a.svg",
-            SVG.format(size='width="100,0mm" height="60,0mm" viewBox="0 0 100 60"', body=RECT),
-            "has the size '100,0mm': must be a number and a unit, 120mm; decimals have a point",
-        ),
-        ("a.svg", SVG.format(size='width="wide" height="60mm"', body=RECT), "has the size 'wide': must be a number"),
+        ("a.svg", SVG.format(size='width="100px" height="100px"', body=RECT), "size in px: give width"),
+        ("a.svg", SVG.format(size='width="100,0mm" height="60mm"', body=RECT), "has the size '100,0mm': must be"),
         ("a.csv", "x_mm,y_mm\n0,0\n10,10\n10,0\n0,10\n", "crosses itself"),
         ("a.csv", "x_mm,y_mm\n0,0\n10,10\n", "at least three"),
-        ("a.csv", "x_mm,y_mm\n0,0\n5,5\n10,10\n", "on a line"),
         ("a.csv", "x_mm,y_mm\n1," + "9" * 140_000, "row 2: field larger"),
-        ("a.csv", "x,y\n1,2\n", "row 1: no column 'x'"),
-        ("a.csv", "x_mm,y_mm\n1,\n", "row 2, column y_mm: is empty"),
-        ("a.csv", 'x_mm,y_mm\n"1,5",2\n', "row 2, column x_mm.*point"),
         ("a.csv", "x_mm,y_mm\n1,nan\n", "row 2, column y_mm.*finite"),
     ],
 )
@@ -120,19 +102,14 @@ def test_silhouettes() -> None:
 
 
 @pytest.mark.slow
-def test_known_motions_are_undone() -> None:
+def test_known_motions_are_undone_and_mirrored_outlines_stay_mirrored() -> None:
     turn = 2.0
     corners = np.array([[0, 0], [90, 0], [90, 40], [40, 60], [0, 40]], dtype=float)
     cos, sin = np.cos(turn), np.sin(turn)
-    moved = corners @ np.array([[cos, sin], [-sin, cos]]) + [300, -20]
-    found = fit_outline(moved, corners)
+    found = fit_outline(corners @ np.array([[cos, sin], [-sin, cos]]) + [300, -20], corners)
     np.testing.assert_allclose(found.outline, corners, atol=0.05)
     assert np.abs(found.distance).max() < 0.05 and found.missed.max() < 0.05
-
-
-@pytest.mark.slow
-def test_mirrored_outlines_stay_mirrored() -> None:
-    corners = np.array([[0, 0], [90, 0], [90, 40], [40, 60], [0, 20]], dtype=float)
+    corners[-1] = [0, 20]
     assert np.abs(fit_outline(corners * [-1, 1], corners).distance).max() > 3
 
 
@@ -140,6 +117,5 @@ def test_mirrored_outlines_stay_mirrored() -> None:
 def test_a_larger_outline_is_outside() -> None:
     corners = np.array([[0, 0], [90, 0], [90, 40], [0, 40]], dtype=float)
     larger = shapely.get_coordinates(shapely.buffer(shapely.Polygon(corners), 2.0, join_style="mitre"))[:-1]
-    found = fit_outline(larger, corners)
-    assert found.distance.mean() == pytest.approx(2.0, abs=0.1)
+    assert fit_outline(larger, corners).distance.mean() == pytest.approx(2.0, abs=0.1)
     assert fit_outline(corners, larger).distance.mean() == pytest.approx(-2.0, abs=0.1)

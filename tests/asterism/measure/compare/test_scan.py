@@ -15,59 +15,36 @@ from asterism.measure.compare.scan import ScanError, check_size, extents, read_s
 from tests.asterism.measure.compare.scans import bent_sheet
 
 SHAPE = bent_sheet(5.0)
-PLY = """ply
-format ascii 1.0
-element vertex 3
-property float x
-property float y
-property float z
-element face 2
-property list uchar int vertex_indices
-end_header
-0 0 0
-50 0 0
-0 50 0
-3 0 1 2
-3 0 1 {corner}
-"""
 MESH = trimesh.Trimesh(SHAPE.positions, SHAPE.triangles, process=False)
 
 
 @pytest.mark.parametrize("name", ["a.obj", "a.stl", "a.ply", "A.OBJ"])
 def test_meshes(name: str, tmp_path: Path) -> None:
     MESH.export(tmp_path / name, file_type=name[-3:].lower())
+    vertices, triangles = read_surface(tmp_path / name)
+    assert vertices[triangles] == pytest.approx(SHAPE.positions[SHAPE.triangles], abs=1e-5)
     scan = read_scan(tmp_path / name)
     assert scan.triangles == len(SHAPE.triangles)
     assert extents(scan.points) == pytest.approx(extents(SHAPE.positions), rel=0.05)
     assert len(scan.points) == 20_000
 
 
-@pytest.mark.parametrize("name", ["a.obj", "a.stl", "a.ply"])
-def test_surfaces(name: str, tmp_path: Path) -> None:
-    MESH.export(tmp_path / name)
-    vertices, triangles = read_surface(tmp_path / name)
-    assert vertices[triangles] == pytest.approx(SHAPE.positions[SHAPE.triangles], abs=1e-5)
-
-
 def test_clouds_are_no_surfaces(tmp_path: Path) -> None:
     trimesh.PointCloud(SHAPE.positions).export(tmp_path / "a.ply")
     with pytest.raises(ScanError, match="points without triangles"):
         read_surface(tmp_path / "a.ply")
-    with pytest.raises(ScanError, match="must end in"):
-        read_surface(tmp_path / "a.svg")
+    for name, said in (("a.svg", "must end in"), ("a.obj", "not there")):
+        with pytest.raises(ScanError, match=said):
+            read_surface(tmp_path / name)
 
 
 @pytest.mark.parametrize("name", ["a.obj", "a.ply"])
 def test_clouds(name: str, tmp_path: Path) -> None:
-    if name.endswith("obj"):
-        (tmp_path / name).write_text("".join(f"v {x} {y} {z}\n" for x, y, z in SHAPE.positions))
-    else:
-        trimesh.PointCloud(SHAPE.positions).export(tmp_path / name)
+    trimesh.PointCloud(SHAPE.positions).export(tmp_path / name)
     scan = read_scan(tmp_path / name, "cm")
     assert scan.triangles == 0 and len(scan.points) == len(SHAPE.positions)
-    np.testing.assert_allclose(
-        np.sort(scan.points, axis=0), 10 * np.sort(SHAPE.positions, axis=0), rtol=1e-6, atol=1e-4
-    )
+    places = np.sort(SHAPE.positions, axis=0)
+    np.testing.assert_allclose(np.sort(scan.points, axis=0), 10 * places, rtol=1e-6, atol=1e-4)
 
 
 def test_several_parts_and_polygons(tmp_path: Path) -> None:
@@ -80,26 +57,20 @@ def test_samples_are_spread_by_area() -> None:
     points, which = surface_samples(SHAPE.positions, SHAPE.triangles, 50_000, np.random.default_rng(0))
     share = np.bincount(which, minlength=len(SHAPE.triangles)) / len(points)
     np.testing.assert_allclose(share, MESH.area_faces / MESH.area, atol=4.1e-5)
-    assert (
-        np.abs(trimesh.triangles.closest_point(SHAPE.positions[SHAPE.triangles[which]], points) - points).max() < 1e-9
-    )
+    nearest = trimesh.triangles.closest_point(SHAPE.positions[SHAPE.triangles[which]], points)
+    assert np.abs(nearest - points).max() < 1e-9
 
 
 @pytest.mark.parametrize(
     ("name", "content", "problem"),
     [
         ("a.obj", b"", "holds no points"),
-        ("a.obj", b"# nothing\n", "holds no points"),
         ("a.stl", b"", "0 bytes"),
-        ("a.stl", b"solid a\nendsolid a\n", "holds no points"),
         ("a.ply", b"", "cannot be read as PLY"),
         ("a.obj", b"\x00\xff\xfe\x12", "cannot be read as OBJ"),
         ("a.obj", b"v 1 2 3\n" * 40, "too few points"),
         ("a.obj", "".join(f"v {k} {2 * k} 1e-6\n" for k in range(40)).encode(), "on one line"),
         ("a.obj", b"v 1 2 nan\nv 0 0 1\n", "finite"),
-        ("a.jpg", b"", "must end in"),
-        ("a.ply", PLY.format(corner=5).encode(), "corners that it does not hold"),
-        ("a.ply", PLY.format(corner=-1).encode(), "corners that it does not hold"),
     ],
 )
 def test_mistakes(name: str, content: bytes, problem: str, tmp_path: Path) -> None:
@@ -109,17 +80,10 @@ def test_mistakes(name: str, content: bytes, problem: str, tmp_path: Path) -> No
     assert name in str(caught.value) and "\n" not in str(caught.value)
 
 
-def test_a_file_that_is_not_there(tmp_path: Path) -> None:
-    with pytest.raises(ScanError, match="not there"):
-        read_scan(tmp_path / "a.obj")
-
-
 @pytest.mark.parametrize(
     ("size", "unit", "says"),
     [
         (100.0 / 25.4, "mm", "--units in"),
-        (0.1, "mm", "metres; use --units m"),
-        (10.0, "mm", "--units cm"),
         (100_000.0, "mm", "--units um"),
         (2540.0, "in", "millimetres; use --units mm"),
         (80.0 / 25.4, "mm", "in inches or centimetres; use --units in or --units cm"),
@@ -131,73 +95,9 @@ def test_units_are_recognised(size: float, unit: str, says: str) -> None:
         check_size(Path("a.obj"), size, 100.0, unit)
 
 
-@pytest.mark.parametrize("size", [30.0, 100.0, 190.0])
-def test_parts_and_surroundings_pass(size: float) -> None:
-    check_size(Path("a.obj"), size, 100.0, "mm")
-
-
-HEAD = "ply\nformat ascii 1.0\nelement vertex 12\nproperty float x\nproperty float y\nproperty float z\nend_header\n"
-
-
-POINTS = [f"{x} {y} {0.1 * x * y}" for x in range(4) for y in range(3)]
-VERTICES = "".join(f"v {point}\n" for point in POINTS)
-TRIANGLE = VERTICES + "f 1 2 3\n"
-CLOUD = HEAD + "\n".join(POINTS) + "\n"
-FACES_OF_PLY = "element face 2\nproperty list uchar int vertex_indices\nend_header"
-FACED = CLOUD.replace("end_header", FACES_OF_PLY) + "3 0 1 4\n"
-LOOP = "solid a\nfacet normal 0 0 1\nouter loop\n{}endloop\nendfacet\nendsolid a"
-NORMALS = np.random.default_rng(0).normal(size=(20, 12))
-STL = bytes(80) + struct.pack("<I", 20) + b"".join(struct.pack("<12fH", *row, 0) for row in NORMALS)
-BINARY = HEAD.replace("ascii", "binary_little_endian").encode() + np.zeros(30, dtype="<f4").tobytes()
-
-
-@pytest.mark.parametrize(
-    ("name", "content", "expected"),
-    [
-        # three short lines of two numbers make two vertices for a parser that only counts numbers
-        *(
-            ("a.obj", VERTICES + n * f"{line}\n", "line 13")
-            for line in ("v 1 2", "v 1", "v", "v 1 2 x")
-            for n in (1, 3)
-        ),
-        ("a.obj", TRIANGLE + "f 0 1 2", "line 14: the face has the vertex 0, but vertices are numbered from 1 to 12"),
-        ("a.obj", TRIANGLE + "f 1 2 13", "line 14: the face has the vertex 13"),
-        ("a.obj", TRIANGLE + "f 1 -13 2", "line 14: the face has the vertex -13"),
-        ("a.obj", TRIANGLE + "f 1 x 2", "line 14: 'x' is no number of a vertex"),
-        ("a.obj", TRIANGLE + "f 1 2", "line 14: a face needs 3 corners, not 2"),
-        ("a.ply", FACED + "3 0 1", "face 2: has 3 numbers, the file announces 4"),
-        ("a.ply", FACED + "3 0 x 1", "face 2: 'x' is not a number"),
-        ("a.ply", CLOUD.replace("float y", "flooat y"), "'flooat'; there are char, uchar"),
-        ("a.ply", BINARY, "cannot be read as PLY: the file is damaged or cut short"),
-        ("a.ply", HEAD + "\n".join(POINTS[:7]), "7 of 12"),
-        ("a.ply", HEAD + "\n".join([*POINTS[:-1], "1 2"]), "vertex 12"),
-        ("a.stl", LOOP.format("vertex 0 0 0\nvertex 1 0 x\nvertex 0 1 0\n"), "line 5: 'x' is not a number"),
-        ("a.stl", LOOP.format("vertex 0 0 0\nvertex 1 0 0\n"), "line 6: a triangle needs 3"),
-        ("a.stl", STL[:500], "8 of 20 triangles"),
-    ],
-)
-def test_what_is_damaged_is_named_with_its_place(
-    name: str, content: str | bytes, expected: str, tmp_path: Path
-) -> None:
-    (tmp_path / name).write_bytes(content if isinstance(content, bytes) else content.encode())
-    with pytest.raises(ScanError, match=re.escape(expected)):
-        read_scan(tmp_path / name)
-
-
-@pytest.mark.parametrize(
-    ("name", "content", "vertices", "triangles"),
-    [
-        ("textures-and-backwards.obj", TRIANGLE + "f 4/1/1 5//2 -1", 12, 2),
-        ("colours.obj", VERTICES.replace("\n", " 0.5 0.5 0.5\n"), 12, 0),
-        ("a.ply", CLOUD, 12, 0),
-        ("faces.ply", FACED + "3 1 2 5\n", 12, 2),
-        ("a.stl", STL, 60, 20),
-    ],
-)
-def test_what_is_whole_is_read(name: str, content: str | bytes, vertices: int, triangles: int, tmp_path: Path) -> None:
-    (tmp_path / name).write_bytes(content if isinstance(content, bytes) else content.encode())
-    scan = read_scan(tmp_path / name)
-    assert (scan.vertices, scan.triangles) == (vertices, triangles)
+def test_parts_and_surroundings_pass() -> None:
+    for size in (30.0, 190.0):
+        check_size(Path("a.obj"), size, 100.0, "mm")
 
 
 GRID = np.array([(9.0 * x, 9.0 * y, 0.1 * x * y) for x in range(5) for y in range(5)])
@@ -234,26 +134,59 @@ def stl_text(name: str = "a") -> bytes:
     return f"solid {name}\n{facets}endsolid {name}\n".encode("latin-1")
 
 
+OBJ, PLY = obj_text(), ply_text()
+VERTICES = OBJ.partition(b"f ")[0].lstrip()
+LOOP = b"solid a\nfacet normal 0 0 1\nouter loop\n%bendloop\nendfacet\nendsolid a"
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "expected"),
+    [
+        # three short lines of two numbers make two vertices for a parser that only counts numbers
+        *(("a.obj", VERTICES + n * line, "line 26") for line in (b"v 1 2\n", b"v\n", b"v 1 2 x\n") for n in (1, 3)),
+        ("a.obj", OBJ + b"f 0 1 2", "line 43: the face has the vertex 0, but vertices are numbered from 1 to 25"),
+        ("a.obj", OBJ + b"f 1 -26 2", "line 43: the face has the vertex -26"),
+        ("a.obj", OBJ + b"f 1 x 2", "line 43: 'x' is no number of a vertex"),
+        ("a.obj", OBJ + b"f 1 2", "line 43: a face needs 3 corners, not 2"),
+        ("a.obj", obj_text(face="f {} \\\n {} {}") + b"f 1 2 x", "line 59: 'x' is no number of a vertex"),
+        ("a.ply", PLY.replace(b"\n3 0 5 6", b"\n3 0 5"), "face 1: has 3 numbers, the file announces 4"),
+        ("a.ply", PLY.replace(b"\n3 0 5 6", b"\n3 0 5 99"), "corners that it does not hold"),
+        ("a.ply", PLY.replace(b"float y", b"flooat y"), "'flooat'; there are char, uchar"),
+        ("a.ply", ply_binary()[:-90], "cannot be read as PLY: the file is damaged or cut short"),
+        ("a.ply", b"\n".join(PLY.split(b"\n")[:17]), "7 of 41 lines"),
+        ("a.ply", PLY.replace(b"36.0 36.0 1.6", b"36.0 36.0"), "vertex 25"),
+        ("a.stl", LOOP % b"vertex 0 0 0\nvertex 1 0 x\nvertex 0 1 0\n", "line 5: 'x' is not a number"),
+        ("a.stl", LOOP % b"vertex 0 0 0\nvertex 1 0 0\n", "line 6: a triangle needs 3"),
+        ("a.stl", stl_binary()[:500], "8 of 16 triangles"),
+    ],
+)
+def test_what_is_damaged_is_named_with_its_place(name: str, content: bytes, expected: str, tmp_path: Path) -> None:
+    (tmp_path / name).write_bytes(content)
+    with pytest.raises(ScanError, match=re.escape(expected)):
+        read_scan(tmp_path / name)
+
+
+def test_textures_and_colours_are_passed_over(tmp_path: Path) -> None:
+    (tmp_path / "a.obj").write_bytes(OBJ + b"f 4/1/1 5//2 -1")
+    (tmp_path / "b.obj").write_bytes(VERTICES.replace(b"\n", b" 0.5 0.5 0.5\n"))
+    scans = [read_scan(tmp_path / name) for name in ("a.obj", "b.obj")]
+    assert [(scan.vertices, scan.triangles) for scan in scans] == [(25, 17), (25, 0)]
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "content"),
     [
         ("comment.obj", obj_text("# Gr\xf6\xdfe")),
         ("group.obj", obj_text("mtllib Gr\xfcn.mtl\no Fl\xe4che\nusemtl Gr\xfcn")),
-        ("wrapped.obj", obj_text(face="f {} \\\n {} {}")),
         ("wrapped-in-windows.obj", obj_text(face="f {} {} \\\r\n{}", end="\r\n")),
-        ("tabs.obj", obj_text(face="\tf\t{}\t{}\t{}\t")),
         ("old-mac.obj", obj_text(end="\r")),
         ("mark.obj", b"\xef\xbb\xbf" + obj_text().lstrip()),
-        ("textures.obj", obj_text("vt 0 0\nvn 0 0 1", face="f {}/1/1 {}/1/1 {}/1/1")),
         ("comment.ply", ply_text()),
-        ("tabs.ply", ply_text(blank="\t")),
         ("windows.ply", ply_text(end="\r\n")),
-        ("old-mac.ply", ply_text(end="\r")),
         ("picture.ply", ply_text(comment="comment TextureFile none.png")),
         ("trailing.ply", ply_text() + b"1 2 3\n\x1a"),
         ("binary.ply", ply_binary()),
-        ("binary-windows.ply", ply_binary(b"\r\n")),
         ("binary-trailing.ply", ply_binary() + bytes(70)),
         ("binary-big.ply", ply_binary(order=">") + bytes(3)),
         ("binary.stl", stl_binary()),
@@ -270,13 +203,6 @@ def test_files_that_programs_write_are_read(name: str, content: bytes, tmp_path:
     assert np.allclose(vertices[triangles], GRID[FACES], atol=1e-5)
 
 
-def test_faces_count_backwards_from_where_they_stand(tmp_path: Path) -> None:
-    blocks = ["".join(f"v {x} {y} {z}\n" for x, y, z in GRID[face]) + "f -3 -2 -1\n" for face in FACES]
-    (tmp_path / "a.obj").write_text("".join(blocks))
-    vertices, triangles = read_surface(tmp_path / "a.obj")
-    assert np.allclose(vertices[triangles], GRID[FACES])
-
-
 def test_polygons_of_a_binary_ply_may_differ(tmp_path: Path) -> None:
     head = ply_binary().partition(b"end_header\n")[0].replace(b"face 32", b"face 16")
     head = head.replace(b"property list", b"property uchar red\nproperty list") + b"end_header\n"
@@ -291,10 +217,8 @@ def test_polygons_of_a_binary_ply_may_differ(tmp_path: Path) -> None:
     ("old", "new"),
     [
         (b"property float x", b"property list uchar float x"),
-        (b"property list uchar int vertex_indices", b"property int vertex_indices"),
         (b"property float y", b"property float x"),
         (b"\n3 0 5 6", b"\nnan 0 5 6"),
-        (b"\n3 0 5 6", b"\n3 0 inf 6"),
         (b"\n3 0 5 6", b"\n3 0 5 99"),
         (b"element vertex 25", b"element vertex 99999999999"),
         (b"ascii", b"text"),
@@ -306,12 +230,6 @@ def test_odd_headers_and_lists_of_a_ply_end_in_one_line(content: bytes, old: byt
     if old in content:
         with pytest.raises(ScanError, match=r"a\.ply: "):
             read_surface(tmp_path / "a.ply")
-
-
-def test_a_line_after_wrapped_ones_keeps_its_number(tmp_path: Path) -> None:
-    (tmp_path / "a.obj").write_bytes(obj_text(face="f {} \\\n {} {}") + b"f 1 2 x\n")
-    with pytest.raises(ScanError, match=f"line {1 + len(GRID) + 2 * len(FACES) + 1}: 'x' is no number of a vertex"):
-        read_surface(tmp_path / "a.obj")
 
 
 def test_materials_take_no_time(tmp_path: Path) -> None:

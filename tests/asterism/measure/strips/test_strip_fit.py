@@ -21,7 +21,6 @@ from asterism.measure.strips.strip_fit import (
     fit_readings,
 )
 from asterism.measure.strips.strip_table import Reading
-from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.materials import Fabric, Plastic, rest_curvature
 from tests.asterism.measure.strips.synthetic import synthetic_readings
 
@@ -100,8 +99,8 @@ def test_strips_without_errors_give_their_material(
 def test_intervals_hold_the_truth_as_often_as_they_say(
     case: dict[str, Any], kappa_bar: KappaBarKind, is_peeled: bool
 ) -> None:
-    """Fewer of 200 campaigns have a chance of 1 in 1000 at 95 %; more are too many where errors are random."""
-    campaigns = [synthetic_readings(seed, Plastic(kappa_bar_per_mm=0.003), **case) for seed in range(200)]
+    """Fewer of 150 campaigns have a chance of 1 in 1000 at 95 %; more are too many where errors are random."""
+    campaigns = [synthetic_readings(seed, Plastic(kappa_bar_per_mm=0.003), **case) for seed in range(150)]
     fits = [fitted([r for r in c if is_peeled or not r.peeled], kappa_bar=kappa_bar) for c in campaigns]
     least, most = binom.ppf([0.001, 0.999], len(fits), 0.95)
     assert sum(inside(fit) for fit in fits) >= least
@@ -111,7 +110,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say(
     if not {"step_mm", "flat_mm"} & set(case):
         assert held <= most
     # a good table is not called a bad one
-    assert sum(len(fit.outliers) > 0 for fit in fits) <= 10
+    assert sum(len(fit.outliers) > 0 for fit in fits) <= 7
 
 
 @pytest.mark.slow
@@ -136,14 +135,6 @@ def test_directions_that_do_not_determine_a_material() -> None:
         fit_directions([r for r in readings if not r.peeled], StripFitSettings())
 
 
-@settings(max_examples=3)
-@given(order=st.permutations(range(40)))
-def test_the_order_of_the_strips_does_not_matter(order: list[int]) -> None:
-    strips = synthetic_readings(5, count=5)
-    one, other = fitted(strips), fitted([strips[i] for i in order])
-    assert other.ratio["paper"] == pytest.approx(one.ratio["paper"], rel=1e-9)
-
-
 def test_outliers_are_named_and_used() -> None:
     strips = synthetic_readings(2)
     wrong = {6: 0.045, 17: 0.009, 40: 0.035}
@@ -154,12 +145,10 @@ def test_outliers_are_named_and_used() -> None:
     assert len(fit.used) == 80 and not fit.left_out and inside(fit)
     width = [high - low for _, low, high in (fitted(strips).ratio["paper"], fit.ratio["paper"])]
     assert width[1] > 2 * width[0]
-
-
-def test_one_wrong_reading_of_few_is_named() -> None:
-    strips = synthetic_readings(3, count=2)
-    strips[0] = replace(strips[0], curvature_per_mm=0.06)
-    assert strips[0] in [one for one, _ in fitted(strips).outliers]
+    # of few strips too
+    few = synthetic_readings(3, count=2)
+    few[0] = replace(few[0], curvature_per_mm=0.06)
+    assert few[0] in [one for one, _ in fitted(few).outliers]
 
 
 def test_a_wrong_thickness_is_named_and_widens_the_interval() -> None:
@@ -250,12 +239,6 @@ def test_strips_that_no_plastic_makes_are_refused(
         fitted(given, rest_curvature=formula, kappa_bar=peeled)
 
 
-@pytest.mark.parametrize(("field", "option"), [("rest_curvature", "--rest-curvature"), ("kappa_bar", "--kappa-bar")])
-def test_impossible_choices_are_named(field: str, option: str) -> None:
-    with pytest.raises(DesignError, match=f"{option} = 'stoney': must be (paper|constant) or "):
-        StripFitSettings(**{field: "stoney"})  # type: ignore[arg-type]
-
-
 angles = st.floats(1e-4, 2 * np.pi - 1e-3)
 radii = st.floats(1.0, 1e4)
 
@@ -269,15 +252,10 @@ def drawn_box(angle: float, radius: float, thickness: float = 0.0) -> tuple[floa
 
 
 @given(angle=angles, radius=radii)
-def test_box_is_that_of_the_drawn_arc(angle: float, radius: float) -> None:
-    width, height = arc.box(1 / radius, angle * radius)
-    assert (width, height) == pytest.approx(drawn_box(angle, radius), rel=1e-6, abs=1e-9 * radius)
-
-
-@given(angle=angles, radius=radii)
-def test_a_box_gives_curvature_and_length_back(angle: float, radius: float) -> None:
+def test_a_box_is_that_of_the_drawn_arc_and_gives_it_back(angle: float, radius: float) -> None:
     """Beyond half a circle, too, where the box's width is the diameter."""
     width, height = arc.box(1 / radius, angle * radius)
+    assert (width, height) == pytest.approx(drawn_box(angle, radius), rel=1e-6, abs=1e-9 * radius)
     assert float(arc.curvature(width, height)) == pytest.approx(1 / radius, rel=1e-9)
     assert float(arc.arc_length(width, height)) == pytest.approx(angle * radius, rel=1e-6)
 
@@ -286,6 +264,9 @@ def test_a_flat_box() -> None:
     assert float(arc.curvature(60.0, 0.0)) == 0.0
     assert float(arc.arc_length(60.0, 0.0)) == 60.0
     assert [float(side) for side in arc.box(0.0, 60.0)] == pytest.approx([60.0, 0.0])
+    assert arc.line_box(60.0, 1.0, 1.1) == (60.0, 0.0)
+    with pytest.raises(ValueError, match="does not bend"):
+        arc.line_box(4.0, 3.0, 1.1)
 
 
 @given(angle=st.floats(0.05, 6.0), thickness=st.floats(0.1, 1.5))
@@ -296,9 +277,3 @@ def test_outside_of_a_thick_strip(angle: float, thickness: float) -> None:
         found = arc.line_box(width, height, thickness)
         # the box of the line is that of its own arc, up to what the drawn points leave out
         assert found == pytest.approx(drawn_box(angle, radius), rel=1e-4, abs=1e-4)
-
-
-def test_outside_of_a_flat_strip() -> None:
-    assert arc.line_box(60.0, 1.0, 1.1) == (60.0, 0.0)
-    with pytest.raises(ValueError, match="does not bend"):
-        arc.line_box(4.0, 3.0, 1.1)
