@@ -5,14 +5,11 @@ from __future__ import annotations
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 import asterism
 from asterism.pattern import gallery
-
-TAKE_A_DESIGN = ["preview", "simulate", "verify", "Preview"]
 
 
 def test_the_public_names_are_listed() -> None:
@@ -24,12 +21,12 @@ def test_the_public_names_are_listed() -> None:
     assert subprocess.run([sys.executable, "-c", program], cwd=Path(__file__).parents[2]).returncode == 0
 
 
-@pytest.mark.parametrize("name", TAKE_A_DESIGN)
-@pytest.mark.parametrize("given", ["dome.toml", Path("dome.toml"), {"stars": {}}, None])
-def test_what_is_no_design_is_refused_in_one_line(name: str, given: Any) -> None:
-    with pytest.raises(TypeError, match=rf"Design is needed, not {type(given).__name__}.*load_design") as caught:
-        getattr(asterism, name)(given)
-    assert "\n" not in str(caught.value)
+@pytest.mark.parametrize("name", ["preview", "simulate", "verify", "Preview"])
+def test_what_is_no_design_is_refused_in_one_line(name: str) -> None:
+    for given in ("dome.toml", {"stars": {}}, None):
+        with pytest.raises(TypeError, match=rf"Design is needed, not {type(given).__name__}.*load_design") as caught:
+            getattr(asterism, name)(given)
+        assert "\n" not in str(caught.value)
 
 
 @pytest.mark.parametrize(
@@ -62,9 +59,8 @@ def test_what_is_no_law_no_side_and_no_number_of_starts_is_refused() -> None:
     assert asterism.preview(design, law=asterism.load_law()).summary["is_minimum"]
     with pytest.raises(ValueError, match=r"side = 'sideways': must be auto, up, down"):
         asterism.preview(design, side="sideways")  # type: ignore[arg-type]
-    for triangles in (0, -5, 1.5):
-        with pytest.raises(ValueError, match=rf"triangles = {triangles}: must be a whole number, at least 1"):
-            asterism.Preview(design, triangles=triangles)  # type: ignore[arg-type]
-    for starts in (0, 2.5):
-        with pytest.raises(ValueError, match=rf"starts = {starts}: must be a whole number, at least 1"):
-            asterism.simulate(design, starts=starts)  # type: ignore[arg-type]
+    for wrong in (0, 1.5):
+        with pytest.raises(ValueError, match=rf"triangles = {wrong}: must be a whole number, at least 1"):
+            asterism.Preview(design, triangles=wrong)  # type: ignore[arg-type]
+        with pytest.raises(ValueError, match=rf"starts = {wrong}: must be a whole number, at least 1"):
+            asterism.simulate(design, starts=wrong)  # type: ignore[arg-type]

@@ -11,6 +11,7 @@ import pytest
 from asterism.homogenize.law.law_file import law_bytes
 from asterism.pattern.design import files as user_files
 from asterism.pattern.layout.build import load_design
+from asterism.previews.session import preview
 from tests.asterism.commands import Cli
 from tests.asterism.previews.laws import plain_law
 
@@ -66,17 +67,12 @@ def test_a_wrong_file_is_named_and_does_not_hide_the_others(home: Path, cli: Cli
 
 
 @pytest.mark.usefixtures("blank_pictures")
-def test_the_law_of_a_design_is_used_by_commands_and_in_python(
-    home: Path, monkeypatch: pytest.MonkeyPatch, cli: Cli
-) -> None:
+def test_the_law_of_a_design_is_used_by_commands_and_in_python(home: Path, cli: Cli) -> None:
     (home / "plain.npz").write_bytes(law_bytes(plain_law()))
     (home / "own.toml").write_text(f'{DESIGN}[material]\nlaw = "plain.npz"\n')
-    monkeypatch.chdir(home / "home" if (home / "home").exists() else home)
     done = cli(["preview", str(home / "own.toml")])
     assert done.status == 0, done.err
     assert json.loads((home / "own" / "summary.json").read_text())["law"]["material"] == "plain"
-    from asterism.previews.session import preview
-
     assert preview(load_design(home / "own.toml")).summary.law.material == "plain"
     (home / "own.toml").write_text(f'{DESIGN}[material]\nlaw = "none.npz"\n')
     refused = cli(["preview", str(home / "own.toml")])

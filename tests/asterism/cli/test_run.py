@@ -14,8 +14,10 @@ from asterism.equilibrium.errors import Error
 from asterism.equilibrium.newton.minimise import Iteration
 from asterism.exact.cost import Cost
 from asterism.homogenize.errors import ForeignLaw, LawError
+from asterism.homogenize.law.law_file import PAPER_LAW
 from asterism.pattern.design.errors import DesignError
 from asterism.process import progress_line
+from asterism.results.words import doubts
 from tests.asterism.commands import Cli
 
 SIGN = "still computing"
@@ -86,10 +88,6 @@ DRAWN = "[rods]\n[[rods.draw]]\nline_mm = [[-20, 0], [20, 0]]\n[border]\nrectang
     ("error", "message"),
     [
         (DesignError("border.holes", "must be empty"), "leaf.toml: border.holes: must be empty"),
-        (
-            DesignError("pins[2].points_mm", "must be on the sheet"),
-            "leaf.toml: pins[2].points_mm: must be on the sheet",
-        ),
         (DesignError("--output", "holds other results"), "--output: holds other results"),
         (LawError("fabric.bending: has no law", field="fabric.bending"), "leaf.toml: fabric.bending: has no law"),
         (ForeignLaw("net.npz: is of stars", field="rods.motif"), "net.npz: is of stars"),
@@ -101,7 +99,7 @@ def test_the_file_stands_before_fields_of_the_design(error: Error, message: str)
     assert str(named) == message and type(named) is type(error)
 
 
-@pytest.mark.parametrize("words", [["preview"], ["verify"], ["export", "--preview"]])
+@pytest.mark.parametrize("words", [["preview"], ["export", "--preview"]])
 def test_drawings_without_a_preview_are_refused_with_their_file(words: list[str], here: Path, cli: Cli) -> None:
     FILE.write_text(DRAWN)
     refused = cli([*words, str(FILE), "-q"])
@@ -141,3 +139,26 @@ def test_elsewhere_a_stage_is_one_whole_line(monkeypatch: pytest.MonkeyPatch) ->
     monkeypatch.setenv("COLUMNS", "80")
     text = seen(io.StringIO())
     assert text.count("\n") == 1 and "gradient 1.2e-03 N" in text and "released" in text
+
+
+# an arm thicker than those of all cells of the included law
+OUTSIDE = "[stars]\nlength_mm = 10.0\nthickness_mm = 2.0\n[border]\nrings = 0\n[mesh]\nedge_mm = 4.0\n"
+
+
+def test_shapes_of_a_verification_are_doubted_once() -> None:
+    shape = {"stars": 1, "stars_outside_law": ["star 0 is too long"], "self_intersections": 2}
+    both = {"model": "verification", "preview": shape, "exact": {"stars_total": 1, "self_intersections": 2}}
+    assert doubts(both) == ["the star is outside the law", "the sheet passes through itself (2 pairs of triangles)"]
+    assert doubts({"stars": 2, "stars_outside_law": ["star 0"], "self_intersections": 0}) == []
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("blank_pictures")
+def test_strict_ends_with_1_where_the_first_line_has_a_doubt(tmp_path: Path, cli: Cli) -> None:
+    (tmp_path / "d.toml").write_text(OUTSIDE)
+    words = ["preview", str(tmp_path / "d.toml"), "--law", str(PAPER_LAW)]
+    for options, status in ([], 0), (["--strict"], 1):
+        done = cli([*words, *options])
+        assert done.status == status, done.err
+        assert done.out.splitlines()[0].split() == ["not", "reliable", "the", "star", "is", "outside", "the", "law"]
+    assert (tmp_path / "d" / "summary.json").is_file()

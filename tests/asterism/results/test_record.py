@@ -83,12 +83,9 @@ def test_a_record_is_changed_in_a_copy() -> None:
         record.count = 4  # type: ignore[misc]
 
 
-def test_numbers_that_json_lacks_become_null() -> None:
+def test_numbers_that_json_lacks_become_null_which_fits_numbers_and_what_may_be_missing() -> None:
     assert Inner(size_mm=float("nan")).to_json() == {"size_mm": None}
     assert math.isnan(Inner.from_json({"size_mm": None}).size_mm)
-
-
-def test_null_fits_numbers_and_what_may_be_missing() -> None:
     assert misfit(Outer.from_json({"text": "a", "inner": None, "more": {"a": [{"size_mm": None}]}})) == ""
     assert misfit(Outer.from_json({"text": None})) == "text" and misfit(Outer.from_json({"count": None})) == "count"
 

@@ -1,8 +1,9 @@
-"""asterism verify as a user meets it."""
+"""`asterism verify`, and `--contact` of `simulate`: what is said without it, and without the package it needs."""
 
 from __future__ import annotations
 
 import json
+import sys
 from pathlib import Path
 
 import pytest
@@ -48,18 +49,73 @@ def test_verify_writes_a_report_and_a_table(here: Path, cli: Cli) -> None:
 def test_mistakes_are_one_line_and_leave_nothing(here: Path, cli: Cli) -> None:
     (here / "d.toml").write_text(SEVEN)
     (here / "not.npz").write_text("a law?")
-    (here / "other.toml").write_text(SEVEN + '[fabric]\nbending = "none"\n')
     (here / "hinges.toml").write_text(SEVEN + '[fabric]\nbending = "paper"\n')
     for words, said in (
         (["d.toml", "--law", "not.npz"], "not.npz"),
-        (["no.toml"], "no.toml"),
         (["d.toml", "--backend", "none"], "backend: 'none'"),
-        (["d.toml", "--edge", "1000"], "--edge"),
         (["d.toml", "--tolerance", "1", "--edge", "3"], "--tolerance: goes without --edge"),
         (["hinges.toml", "--tolerance", "1"], "--tolerance: not for fabric.bending = 'paper'"),
         (["d.toml", "--tolerance", "0"], "--tolerance = 0.0"),
-        (["other.toml"], "fabric.bending"),
     ):
         refused = cli(["verify", *words])
         assert refused.status == 2 and said in refused.err.splitlines()[-1]
-    assert sorted(file.name for file in here.iterdir()) == ["d.toml", "hinges.toml", "not.npz", "other.toml"]
+    assert sorted(file.name for file in here.iterdir()) == ["d.toml", "hinges.toml", "not.npz"]
+
+
+ROLLED = """
+[stars]
+length_mm = 10.0
+thickness_mm = 0.2
+[border]
+rings = 2
+[mesh]
+edge_mm = 4.3
+[fabric]
+bending = "paper"
+"""
+
+
+@pytest.fixture
+def rolled(here: Path, blank_pictures: None) -> Path:
+    """The folder with a design that passes through itself."""
+    (here / "d.toml").write_text(ROLLED)
+    return here
+
+
+@pytest.mark.slow
+def test_a_sheet_that_passes_through_itself_is_told(rolled: Path, cli: Cli) -> None:
+    result = cli(["simulate", "d.toml", "--starts", "1"])
+    assert result.status == 0, result.err
+    assert "passes through itself" in result.err and "--contact" in result.err
+    summary = json.loads((rolled / "d" / "summary.json").read_text())
+    assert summary["self_intersections"] > 0 and summary["self_contact"] is None
+
+
+@pytest.mark.slow
+def test_contact_keeps_it_apart(rolled: Path, cli: Cli) -> None:
+    pytest.importorskip("ipctk")
+    result = cli(["simulate", "d.toml", "--contact"])
+    assert result.status == 0, result.err
+    assert "passes through itself" not in result.err
+    summary = json.loads((rolled / "d" / "summary.json").read_text())
+    assert summary["self_intersections"] == 0 and summary["is_minimum"] and summary["design"]["solver"]["contact"]
+    contact = summary["self_contact"]
+    assert contact["closest_possible_mm"] < contact["least_distance_mm"] < contact["begins_at_mm"]
+    assert contact["pairs"] > 0 and summary["energy_parts_n_mm"]["contact"] > 0.0
+
+
+def test_without_the_package_a_design_with_contact_is_one_line(rolled: Path, monkeypatch, cli: Cli) -> None:
+    monkeypatch.setitem(sys.modules, "ipctk", None)
+    (rolled / "d.toml").write_text(ROLLED + "[solver]\ncontact = true\n")
+    refused = cli(["simulate", "d.toml"])
+    assert refused.status == 2
+    assert refused.err == "asterism: d.toml: solver.contact: needs the package ipctk: pip install ipctk\n"
+    assert [file.name for file in rolled.iterdir()] == ["d.toml"]
+
+
+@pytest.mark.slow
+def test_no_contact_overrides_the_design(rolled: Path, monkeypatch, cli: Cli) -> None:
+    monkeypatch.setitem(sys.modules, "ipctk", None)
+    (rolled / "d.toml").write_text(ROLLED.replace("rings = 2", "rings = 0") + "[solver]\ncontact = true\n")
+    result = cli(["simulate", "d.toml", "--no-contact"])
+    assert result.status == 0, result.err
