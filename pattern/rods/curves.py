@@ -97,8 +97,8 @@ def curved_outline(border: Border, curve_mm: float) -> Floats:
     Examples
     --------
     >>> square = [(-9.0, -9.0), (9.0, -9.0), (9.0, 9.0), (-9.0, 9.0)]
-    >>> curved_outline(Border(polygon_mm=square, bulge_mm=(-1.0, 0.0, 0.0, 0.0)), 0.5).round(3).tolist()
-    [[-9.0, -9.0], [0.0, -8.0], [9.0, -9.0], [9.0, 9.0], [-9.0, 9.0]]
+    >>> curved_outline(Border(polygon_mm=square, bulge_mm=(-0.3, 0.0, 0.0, 0.0)), 0.1).round(3).tolist()
+    [[-9.0, -9.0], [0.0, -8.7], [9.0, -9.0], [9.0, 9.0], [-9.0, 9.0]]
     """
     if border.spline_mm is None:
         return _bent(np.asarray(border.polygon_mm), border.bulge_mm or (), curve_mm)
