@@ -21,6 +21,7 @@ MIN_SHEET_AREA_MM2 = 1.0
 MIN_SHEET_WIDTH_MM = 0.01
 MIN_SPIKE_ASPECT = 20.0
 MAX_HOLES = 1000
+MAX_BENT = 1000
 # bulges of half a circle may be rounded
 BULGE_TOLERANCE_MM = 1e-3
 
@@ -114,6 +115,7 @@ class Border(Section):
         if (circle := self.circle_mm) is not None and np.abs(circle.box).max() > MAX_SHEET_MM:
             raise DesignError("circle_mm", f"must be within {MAX_SHEET_MM:g} mm of the origin", circle.model_dump())
         if self.polygon_mm is not None:
+            _check_points(np.asarray(self.polygon_mm), "polygon_mm", self.polygon_mm)
             check_ring(np.asarray(self.polygon_mm), "polygon_mm", self.polygon_mm)
         if self.spline_mm is not None:
             _check_points(np.asarray(self.spline_mm), "spline_mm", self.spline_mm)
@@ -139,6 +141,8 @@ def _check_bulges(edge: Border | Hole) -> None:
     if edge.polygon_mm is None:
         raise DesignError("bulge_mm", "goes with polygon_mm", edge.bulge_mm)
     corners, count = np.asarray(edge.polygon_mm), len(edge.polygon_mm)
+    if count > MAX_BENT:
+        raise DesignError("bulge_mm", f"goes with at most {MAX_BENT} corners", count)
     if len(edge.bulge_mm) != count:
         raise DesignError("bulge_mm", f"must have {count} entries, one for each edge", len(edge.bulge_mm))
     half = 0.5 * np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1)
@@ -172,7 +176,8 @@ def check_ring(corners: Floats, field: str, value: object = None) -> None:
     def error(allowed: str, place_mm: Iterable[float] | None = None) -> DesignError:
         return DesignError(field, allowed, value, place_mm=place_mm)
 
-    _check_points(corners, field, value)
+    if np.abs(corners).max() > MAX_SHEET_MM:
+        raise error(f"must be within {MAX_SHEET_MM:g} mm of the origin")
     sheet = shapely.polygons(corners)
     if not shapely.is_valid(sheet):
         # shapely reports the place in square brackets

@@ -15,6 +15,7 @@ from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.design.rods import DrawnCircle
 from asterism.pattern.design.sizing.profiles import sample
 from asterism.pattern.design.stars import FACES, MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM, Override, Site, Stars
+from asterism.pattern.geometry.planar import polygon_area
 
 _SIGN = {"up": 1, "down": -1, "free": 0}
 MAX_STARS_OF_DESIGN = 5000
@@ -104,8 +105,10 @@ def outline(border: Border, lattice: Lattice) -> Floats:
     if border.curve_key is not None:
         from asterism.pattern.rods.curves import curved_outline  # slow to import; most outlines have straight edges
 
-        corners = curved_outline(border, OUTLINE_CURVE_MM)
-        check_ring(corners, f"border.{border.curve_key}", getattr(border, border.curve_key))
+        corners, field = curved_outline(border, OUTLINE_CURVE_MM), f"border.{border.curve_key}"
+        check_ring(corners, field, getattr(border, border.curve_key))
+        if border.bulge_mm and polygon_area(corners) * polygon_area(np.asarray(border.polygon_mm)) <= 0:
+            raise DesignError(field, "must not reach beyond the opposite corners", border.bulge_mm)
     return corners if shapely.is_ccw(shapely.linearrings(corners)) else corners[::-1].copy()
 
 

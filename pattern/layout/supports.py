@@ -25,6 +25,11 @@ if TYPE_CHECKING:
 FIXED_BY_SLIDE = {None: (True, True, True), "z": (True, True, False), "plane": (False, False, True)}
 
 
+# width of the corners with a place over that of the whole chain, both across the line of these corners: below it, an
+# affine image would magnify what the arcs stand out by
+MIN_WIDTH = 0.3
+
+
 @dataclass(frozen=True, eq=False)
 class SupportCurve:
     """The curve in space along which a chain of supported edges of the outline is held.
@@ -32,6 +37,9 @@ class SupportCurve:
     The design gives a place in space for each corner. The curve is the best affine image of the printed edges plus a
     shift, which interpolates what remains at the corners by cubic splines over the printed length. So places that are
     an affine image of the corners give exactly that image of the edges. Splines end at sharp corners.
+
+    Corners on a line, or nearly, do not tell where the arcs between them stand out to. Then the image is a similar one
+    that stands out horizontally.
     """
 
     corners: Floats  # (k, 2) mm, printed corners along the chain; a closed chain ends with its first corner
@@ -66,6 +74,8 @@ class SupportCurve:
         centre = held.mean(axis=0)
         terms = np.column_stack([held - centre, np.ones(len(held))])
         fitted = np.linalg.lstsq(terms, places, rcond=None)[0]
+        if np.ptp(_across(held, held)) < MIN_WIDTH * np.ptp(_across(held, corners)):
+            fitted[:2] = _similar(held, places)
         matrix = fitted[:2].T
         rest = places - terms @ fitted
         rest[np.abs(rest) < 1e-9 * (1.0 + np.abs(places).max())] = 0.0
@@ -126,6 +136,27 @@ class SupportCurve:
         first, last = np.searchsorted(self.stations, self.ends[[stretch, stretch + 1]])
         line = shapely.linestrings(self.corners[first : last + 1])
         return np.asarray(self.stations[first] + shapely.line_locate_point(line, shapely.points(points)))
+
+
+def _direction(points: Floats) -> Floats:
+    """(2,) unit vector of the line that is nearest to points (n, 2)."""
+    return np.asarray(np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[2][0])
+
+
+def _across(held: Floats, points: Floats) -> Floats:
+    """(n,) mm, distances of points (n, 2) to the left of the line that is nearest to other ones."""
+    x, y = _direction(held)
+    return np.asarray((points - held.mean(axis=0)) @ [-y, x])
+
+
+def _similar(held: Floats, places: Floats) -> Floats:
+    """(2, 3) images of the unit vectors along x and y: similar ones of points (n, 2) nearly on a line."""
+    along = _direction(held)
+    station = (held - held.mean(axis=0)) @ along
+    image = station @ (places - places.mean(axis=0)) / (station @ station)
+    left, level = np.array([-image[1], image[0], 0.0]), np.hypot(*image[:2])
+    out = left * np.linalg.norm(image) / level if level > 0.0 else left
+    return np.outer(along, image) + np.outer([-along[1], along[0]], out)
 
 
 def _sharp(corners: Floats, is_closed: bool) -> np.ndarray:

@@ -149,6 +149,11 @@ BAD = [
         "not cross or touch itself, as at",
     ),
     ([("border.bulge_mm", [1, 2, 3])], "border.bulge_mm", "goes with polygon_mm"),
+    (
+        [("border", {"polygon_mm": [[-50, 0], [50, 0], [0, 5]], "bulge_mm": [-50, 0, 0]})],
+        "border.bulge_mm",
+        "beyond the opposite corners",
+    ),
     ([("border", {"spline_mm": [[0, 0], [90, 0]]})], "border.spline_mm", "at least 3"),
     ([("border", {"spline_mm": [[0, 0], [90, 0], [0, 9e9]]})], "border.spline_mm", "within 5000"),
     ([("border", {"spline_mm": [[0, 0], [90, 0], [180, 0]]})], "border.spline_mm", "lie on one line"),

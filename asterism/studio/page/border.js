@@ -10,6 +10,7 @@ import {
   distance,
   edgeOf,
   ellipse,
+  isClockwise,
   isInside,
   nearestEdge,
   round,
@@ -17,6 +18,7 @@ import {
   smooth,
   sum,
 } from "./geometry.js";
+import { withCorner, withoutCorner } from "./supports.js";
 
 /** The border with another outline; its margins stay, and its holes but those of its file. */
 export function borderOf(design, shape) {
@@ -34,7 +36,7 @@ export function circleOf(centre, axes, turn = 0) {
 /**
  * Curves with handles: the outline (`hole` is null), then the holes that are drawn in the file. `ring`: the curve on the
  * sheet, `number` that of a hole. `kind`: "circle" with `axes`, half of them, and their `turn` in degrees; "polygon" with
- * `points` and the `bulges` of its edges; "spline" with `points`.
+ * `points`, counterclockwise, and the `bulges` of its edges; "spline" with `points`.
  */
 export function curvesOf(sheet) {
   const curves = [{ hole: null, ring: sheet.outline, ...shapeOf(sheet.design.border ?? {}, sheet.outline) }];
@@ -52,8 +54,10 @@ function shapeOf({ circle_mm: circle, polygon_mm, bulge_mm = [], spline_mm }, ri
     return { kind: "circle", centre, axes: Array.isArray(radius) ? radius : [radius, radius], turn };
   }
   const given = spline_mm ?? polygon_mm ?? ring;
-  const points = given.filter((point, k) => !k || k < given.length - 1 || distance(point, given[0]) > 0);
-  const bulges = points.map((_, k) => bulge_mm[k] ?? 0);
+  let points = given.filter((point, k) => !k || k < given.length - 1 || distance(point, given[0]) > 0);
+  let bulges = points.map((_, k) => bulge_mm[k] ?? 0);
+  // supports count the corners counterclockwise
+  if (isClockwise(points)) [points, bulges] = [points.toReversed(), bulges.map((_, k) => bulges.at(-2 - k) ?? bulges.at(-1))];
   return { kind: spline_mm ? "spline" : "polygon", points, bulges, centre: bounds(ring).centre };
 }
 
@@ -94,18 +98,23 @@ export function nearestOn(curve, at) {
   return { ...found, edge: k };
 }
 
-/** One point more on the curve, after point k. Parts of an arc are arcs of the same circle. */
+/**
+ * One point more on the curve, after point k. Parts of an arc are arcs of the same circle. `follow`: what becomes of the
+ * supports of an outline.
+ */
 export function morePoints({ points, bulges }, k, point) {
   const bulge = bulges[k];
   const radius = bulge && (edgeOf(points, k).half ** 2 + bulge ** 2) / (2 * bulge);
   const part = (end) => radius && radius - Math.sign(radius) * Math.sqrt(radius ** 2 - distance(point, end) ** 2 / 4);
   const parts = [part(points[k]), part(points[(k + 1) % points.length])];
-  return { points: points.toSpliced(k + 1, 0, point), bulges: bulges.toSpliced(k, 1, ...parts) };
+  const follow = (tables) => withCorner(tables, k);
+  return { points: points.toSpliced(k + 1, 0, point), bulges: bulges.toSpliced(k, 1, ...parts), follow };
 }
 
 /** One point less; the edge that takes the place of its two is straight. */
 export function fewerPoints({ points, bulges }, k) {
-  return { points: points.toSpliced(k, 1), bulges: bulges.toSpliced(k, 1).with(k - 1, 0) };
+  const follow = (tables) => withoutCorner(tables, k, points.length);
+  return { points: points.toSpliced(k, 1), bulges: bulges.toSpliced(k, 1).with(k - 1, 0), follow };
 }
 
 /** The tables of holes. */
@@ -142,7 +151,10 @@ export function withCurve(sheet, curve, change) {
     now.bulges = now.bulges.map((bulge, k) => within(edgeOf(now.points, k).half, bulge));
   }
   const [ring, shape] = [piecesOf(now).flat(), tableOf(now)];
-  if (curve.hole === null) return [{ border: borderOf(sheet.design, shape) }, { outline: ring }];
+  if (curve.hole === null) {
+    const pins = now.follow && sheet.tables.length ? { pins: now.follow(sheet.tables) } : {};
+    return [{ border: borderOf(sheet.design, shape), ...pins }, { outline: ring, ...pins }];
+  }
   const { circle_mm, polygon_mm, bulge_mm, spline_mm, ...rest } = holesOf(sheet)[curve.hole];
   const holes = holesOf(sheet).with(curve.hole, { ...rest, ...shape });
   return [withHoles(sheet, holes), { holes: sheet.holes.with(curve.number, ring) }];
@@ -163,10 +175,13 @@ export function withoutHole(sheet, { hole, number }) {
   return [changes, { holes: sheet.holes.toSpliced(number, 1), ...drawn(changes) }];
 }
 
+const MAX_CHECKED = 1500;
+
 /** Why the server would refuse a change: an edge crosses itself, or leaves too little fabric; null if it would not. */
 export function refusalOf(sheet, { outline = sheet.outline, holes = sheet.holes }) {
   const changed = [outline, ...holes].filter((ring) => ring !== sheet.outline && !sheet.holes.includes(ring));
-  if (changed.some(crossesItself)) return "An edge must not cross itself.";
+  // the server has the last word; a check of many points would hold up the drag
+  if (changed.some((ring) => ring.length < MAX_CHECKED && crossesItself(ring))) return "An edge must not cross itself.";
   const isFar = (ring, other) => ring.every((point) => nearestEdge(point, other).distance >= sheet.tipMargin);
   const isApart = (ring, other) => isFar(ring, other) && isFar(other, ring);
   const isBeside = (ring, other) => !isInside(ring[0], other) && !isInside(other[0], ring) && isApart(ring, other);

@@ -124,24 +124,25 @@ export function ellipse(centre, [a, b], { count = 72, start = 0, turn = 0 } = {}
   });
 }
 
-/** An edge of a polygon: its middle, half its length, its direction, and the direction out of the polygon. */
+export const isClockwise = (corners) =>
+  corners.reduce((twice, [x, y], k) => twice + corners.at(k - 1)[0] * y - corners.at(k - 1)[1] * x, 0) < 0;
+
+/** An edge of a counterclockwise polygon: its middle, half its length, its direction, and the direction out of it. */
 export function edgeOf(corners, k) {
   const [a, b] = [corners[k], corners[(k + 1) % corners.length]];
   const half = distance(a, b) / 2;
   const along = difference(b, a).map((value) => value / (2 * half || 1));
-  const twice = corners.reduce((area, [x, y], j) => area + corners.at(j - 1)[0] * y - corners.at(j - 1)[1] * x, 0);
-  const side = Math.sign(twice); // 1 if counterclockwise
-  return { middle: between(a, b, 0.5), half, along, out: [side * along[1], -side * along[0]] };
+  return { middle: between(a, b, 0.5), half, along, out: [along[1], -along[0]] };
 }
 
-/** Points of the arcs over the edges of a polygon, edge by edge without its end; their middles stand out by the bulges. */
+/** Points of the arcs over the edges of a counterclockwise polygon, edge by edge without its end; their middles stand out by the bulges. */
 export function arcs(corners, bulges) {
   return corners.map((corner, k) => {
     if (!bulges[k]) return [corner];
     const { middle, half, along, out } = edgeOf(corners, k);
     const end = 2 * Math.atan(bulges[k] / half); // half of the angle of the arc
     const radius = half / Math.sin(end);
-    const count = Math.ceil(Math.abs(end) / ARC_STEP_RAD);
+    const count = Math.max(2, Math.ceil(Math.abs(end) / ARC_STEP_RAD));
     const points = Array.from({ length: count }, (_, step) => {
       const angle = end * ((2 * step) / count - 1);
       const [x, y] = [radius * Math.sin(angle), radius * (Math.cos(angle) - Math.cos(end))];

@@ -126,6 +126,43 @@ export function withoutNeedle(tables, pins, { table: number, point }) {
   return changed(tables, number, kept);
 }
 
+/** The tables for an outline that has one corner more, in an edge: what they hold stays where it is. */
+export function withCorner(tables, edge) {
+  return tables.map((table) => {
+    const { where, corners, edges, target_mm: targets } = table;
+    if (corners) return { ...table, corners: corners.map((number) => (number > edge ? number + 1 : number)) };
+    const k = where ? edge : (edges?.indexOf(edge) ?? -1);
+    const now = { ...table };
+    if (edges) now.edges = edges.flatMap((one) => (one === edge ? [one, one + 1] : one > edge ? one + 1 : one));
+    if (targets && k >= 0) {
+      const [from, to] = [targets[k], targets[(k + 1) % targets.length]];
+      now.target_mm = targets.toSpliced(k + 1, 0, roundPoint(from.map((value, axis) => (value + to[axis]) / 2)));
+    }
+    return now;
+  });
+}
+
+/**
+ * The tables for an outline of so many corners without one of them. The edge in place of its two is held if one of them
+ * was; with targets, if both were, since it needs a place for each end.
+ */
+export function withoutCorner(tables, corner, count) {
+  const before = (corner + count - 1) % count;
+  const less = (numbers) => numbers.map((number) => (number > corner ? number - 1 : number));
+  const without = (list, k) => (list && k >= 0 ? list.toSpliced(k, 1) : list);
+  const now = tables.map((table) => {
+    const { where, corners, edges, target_mm: targets } = table;
+    const ends = targets && { target_mm: without(targets, where ? corner : (corners ?? edges ?? []).indexOf(corner)) };
+    if (corners) return { ...table, corners: less(corners.filter((number) => number !== corner)), ...ends };
+    if (!edges) return { ...table, ...(where ? ends : {}) };
+    if (!targets) return { ...table, edges: less([...new Set(edges.map((edge) => (edge === corner ? before : edge)))]) };
+    if (edges.includes(corner)) return { ...table, edges: less(edges.filter((edge) => edge !== corner)), ...ends };
+    if (!edges.includes(before)) return { ...table, edges: less(edges) };
+    return { ...table, edges: less(edges.filter((edge) => edge !== before)), target_mm: targets.slice(0, -1) };
+  });
+  return now.filter(({ corners, edges }) => (corners ?? edges)?.length !== 0);
+}
+
 /** Keys of a whole table changed; undefined removes one. Scale and offset take the place of targets. */
 export function withTable(tables, number, patch) {
   const table = { ...tables[number], ...patch };

@@ -269,5 +269,5 @@ def test_memory_is_bounded_over_600_requests(tmp_path: Path):
     # in a process of its own: the scattered heap of earlier tests grows by itself
     with ProcessPoolExecutor(1, get_context("spawn")) as pool:
         after = pool.submit(megabytes_after_requests, tmp_path).result()
-    # all outlines have come by after 200; from 300 to 600 it grew by 5 MB
-    assert after[-1] - after[2] < 10.0, after
+    # all outlines have come by after 200, and the kept prints are full after 400; from there to 600 it grew by 3 MB
+    assert after[-1] - after[3] < 10.0, after

@@ -59,6 +59,13 @@ def test_a_full_disk_leaves_the_earlier_results(tmp_path: Path, monkeypatch: pyt
     assert contents(tmp_path) == whole("old")
 
 
+def test_the_summary_comes_last(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    moved: list[str] = []
+    monkeypatch.setattr(os, "replace", lambda source, target: moved.append(target.name))
+    write(tmp_path, "new")
+    assert moved == NAMES and moved[-1] == "summary.json"
+
+
 def test_new_directories_have_ordinary_permissions(tmp_path: Path) -> None:
     write(tmp_path / "a" / "results", "new")
     assert contents(tmp_path / "a" / "results") == whole("new")
@@ -75,6 +82,28 @@ def test_an_exception_while_writing_leaves_nothing(tmp_path: Path, error: BaseEx
             raise error
     assert contents(tmp_path / "old") == whole("old")
     assert [p.name for p in tmp_path.iterdir()] == ["old"]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no limits on file sizes")
+def test_a_real_failing_write(tmp_path: Path) -> None:
+    """A process that may not write large files, as on a disk that fills up."""
+    write(tmp_path / "old", "old")
+    program = (
+        "import resource; from asterism.results.files import staged, OutputError\n"
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (5000, 5000))\n"
+        "try:\n"
+        "    with staged('old') as folder: (folder / 'shape.vtu').write_bytes(bytes(100_000))\n"
+        "except OutputError as error: print(error)\n"
+    )
+    run = subprocess.run(
+        [sys.executable, "-c", program],
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[3])},
+        capture_output=True,
+        text=True,
+    )
+    assert run.stdout.strip() == "cannot write old: the file would be larger than allowed", run.stderr
+    assert contents(tmp_path) == {f"old/{name}": "old" for name in NAMES}
 
 
 def test_things_in_the_way_are_named(tmp_path: Path) -> None:

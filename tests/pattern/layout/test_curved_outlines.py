@@ -123,3 +123,15 @@ def test_places_of_the_corners_are_kept_where_kinks_and_curves_meet() -> None:
     target = [[0.8 * x, 0.8 * y, z] for (x, y), z in zip(SQUARE, heights, strict=True)]
     curve = sheet({"polygon_mm": SQUARE, "bulge_mm": BULGES}, pins=[{"where": "border", "target_mm": target}]).pins[0]
     np.testing.assert_allclose(curve.places(np.array(SQUARE)), target, atol=1e-9)
+
+
+def test_one_arc_held_at_its_ends_stands_out_as_a_similar_arc() -> None:
+    """Its corners are on a line, from which no affine image can be told."""
+    ends = [[-0.9 * 40.0, -40.0, 0.0], [0.9 * 40.0, -40.0, 7.0]]
+    found = sheet({"polygon_mm": SQUARE, "bulge_mm": BULGES}, pins=[{"edges": [0], "target_mm": ends}]).support_samples
+    scale = np.hypot(72.0, 7.0) / 80.0
+    x, y = found.printed.T
+    assert (
+        np.abs(found.places - np.column_stack([0.9 * x, -40.0 + scale * (y + 40.0), 7.0 * (x / 80.0 + 0.5)])).max()
+        < 1e-9
+    )

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -71,6 +72,41 @@ def test_an_edge_is_bent_by_its_middle_and_by_its_number(page: StudioPage) -> No
     assert border(page)["bulge_mm"] == [0, -8.5, 0, 0]
     page.changed(lambda: page.item("undo").click())
     assert len(border(page)["bulge_mm"]) == 5
+
+
+@pytest.mark.parametrize("is_clockwise", [False, True])
+def test_supports_stay_when_corners_come_and_go(flat: StudioPage, folder: Path, is_clockwise: bool) -> None:
+    corners = [[-50, -35], [50, -35], [50, 35], [-50, 35]]  # supports count them so, whatever the order in the file
+    (folder / "held.toml").write_text(
+        f'name = "held"\n[stars]\nlength_mm = 7.0\n[border]\npolygon_mm = {corners[:: -1 if is_clockwise else 1]}\n'
+        "[[pins]]\nedges = [1]\ntarget_mm = [[40, -28, 0], [40, 28, 5]]\n"
+        "[[pins]]\ncorners = [0, 3]\nscale = 0.8\n[mesh]\nedge_mm = 0.2\n",
+        encoding="utf-8",
+    )
+    flat.open_again("file-held.toml")
+    flat.item("tool-outline").click()
+
+    def numbers() -> list[list[int]]:
+        return [table.get("edges") or table["corners"] for table in flat.get("studio.document.design.pins")]
+
+    flat.changed(lambda: flat.drag((-50.0, 10.0), (-55.0, 10.0)))  # a corner in the edge on the left, the last one
+    assert numbers() == [[1], [0, 3]]
+    flat.changed(lambda: flat.drag((20.0, -35.0), (20.0, -40.0)))  # in the edge below
+    assert numbers() == [[2], [0, 4]]
+    flat.changed(lambda: flat.drag((50.0, 15.0), (55.0, 15.0)))  # in the edge that is held
+    assert numbers() == [[2, 3], [0, 5]]
+    assert flat.get("studio.document.design.pins[0].target_mm") == [[40, -28, 0], [40, 0, 2.5], [40, 28, 5]]
+    flat.item("plan").focus()
+    flat.changed(lambda: flat.page.keyboard.press("Delete"))
+    flat.page.mouse.click(*flat.point((20.0, -40.0)))
+    flat.changed(lambda: flat.page.keyboard.press("Delete"))
+    assert numbers() == [[1], [0, 3]]
+    assert flat.get("studio.document.design.pins[0].target_mm") == [[40, -28, 0], [40, 28, 5]]
+    flat.page.mouse.click(*flat.point((50.0, 35.0)))  # an end of the edge that is held
+    flat.changed(lambda: flat.page.keyboard.press("Delete"))
+    assert numbers() == [[0, 2]]
+    flat.changed(lambda: flat.item("undo").click())
+    assert numbers() == [[1], [0, 3]]
 
 
 def test_an_outline_becomes_a_smooth_curve_through_its_points(page: StudioPage) -> None:

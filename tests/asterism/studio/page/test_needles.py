@@ -98,7 +98,9 @@ def test_needles_follow_another_stretch_by_one_button(page: StudioPage) -> None:
     page.item("tab-sheet").click()
     assert not page.item("follow-stretch").count()
     page.fill("stretch", 1.5)
-    page.wait("studio.document.design.fabric.stretch === 1.5 && document.querySelector('[data-testid=needles-follow]')")
+    page.wait(
+        "studio.document.design.fabric?.stretch === 1.5 && document.querySelector('[data-testid=needles-follow]')"
+    )
     assert table(page)["target_mm"] == before and "1.35" in page.item("needles-follow").inner_text()
     page.item("follow-stretch").click()
     page.wait("!document.querySelector('[data-testid=follow-stretch]')")

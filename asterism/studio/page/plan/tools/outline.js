@@ -214,7 +214,7 @@ export class OutlineTool extends PlanTool {
       return true;
     }
     if (!isDelete(event)) return false;
-    if (hole && corner === null) this.removeHole();
+    if (hole && !hole.points?.[corner]) this.removeHole();
     else this.removeCorner();
     return true;
   }
@@ -233,7 +233,7 @@ export class OutlineTool extends PlanTool {
     const index = this.store.get("corner");
     if (!curve.points?.[index] || curve.points.length <= 3) return;
     this.setCurve(curve, fewerPoints(curve, index));
-    this.store.set({ corner: null });
+    this.store.set({ corner: null, support: null }); // a support may have gone
   }
 
   setBorder(shape) {
