@@ -3,7 +3,7 @@
 import { curvesOf, ofKind } from "../border.js";
 import { edgeOf } from "../geometry.js";
 import { button, counted, follow, h, hint, listItem, part, section, segments, show, wide } from "../dom.js";
-import { fixed, plural } from "../format.js";
+import { plural } from "../format.js";
 import { regularShape, sizeOf } from "../plan/tools/outline.js";
 import { numberCell, numberField, rebuild } from "./fields.js";
 
@@ -128,7 +128,7 @@ export function outlinePanel({ store, tools, actions }, { on }) {
     const name = hole === null ? `corner-${k}` : `hole-corner-${k}`;
     const cell = (key, what, value, make, rest = {}) =>
       numberCell({
-        value: fixed(value, 2).replace("−", "-"),
+        value: String(Number(value.toFixed(2))),
         "aria-label": `${what} in mm`,
         testid: `${name}-${key}`,
         onchange: (typed) => change(curve, make(typed)),
