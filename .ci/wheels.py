@@ -39,8 +39,9 @@ def main() -> int:
         room.chmod(0o755)
         wheel = build(room)
         there = {version: python for version in wanted if (python := find(version)) is not None}
-        for version in set(wanted) - set(there):
-            print(f"{version}: not on this machine", flush=True)
+        for version in wanted:
+            if version not in there:
+                print(f"{version}: not on this machine", flush=True)
 
         def tried(version: str) -> bool:
             begin = time.perf_counter()
@@ -55,7 +56,7 @@ def main() -> int:
 
         # one installs while another computes
         with ThreadPoolExecutor(max_workers=2) as pool:
-            return 0 if all(list(pool.map(tried, there))) else 1
+            return 0 if all(pool.map(tried, there)) else 1
 
 
 def find(version: str) -> Path | None:

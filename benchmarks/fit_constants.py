@@ -25,13 +25,12 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.errors import LawError
-from asterism.previews.fields.sheet_fields import CORRECTIONS
-from asterism.previews.model import PREVIEW_MODEL, PreviewModel, without
+from asterism.previews.fields.sheet_fields import PARTS, without
+from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from benchmarks.frozen.draw import CHOSEN_ON, SEALED, WORKING, frozen
 from benchmarks.report import markdown, write_report
 from benchmarks.solved import NEAR, Solved
 
-PARTS = (*CORRECTIONS, "bumps", "arms that keep their length")
 FITTED = tuple(each.name for each in fields(PreviewModel) if each.name != "off")
 FACTORS = (0.67, 1.5)
 MIN_GAIN_ERRORS = 2.0

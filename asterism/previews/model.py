@@ -3,18 +3,14 @@
 The law of the unit cells holds for an endless sheet of equal stars. A real sheet has a rim, supports and stars that
 change from place to place. The parts of the model describe these; the modules of this package state their equations and
 their other constants.
-
-Examples
---------
-A preview without the curl of free rims:
-
->>> without("arms into free rims").off
-('arms into free rims',)
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+
+# parts of the shape that is shown (`star_lens.py`); the others are the corrections of `fields/sheet_fields.py`
+BUMPS, KEPT_ARMS = "bumps", "arms that keep their length"
 
 
 @dataclass(frozen=True)
@@ -26,8 +22,7 @@ class PreviewModel:
 
     Attributes
     ----------
-    off : names of parts that are turned off: corrections of the fields (`fields/sheet_fields.py`), or of the shape that
-        is shown, "bumps" and "arms that keep their length".
+    off : of `fields.sheet_fields.PARTS`, those that are turned off.
     anisotropy_share : of the cells' difference between directions, that acts in sheets (`sheet_fields.directions`); a
         choice among shares, on 18 free sheets of four to six arms or on a square lattice.
     sixfold_factor : sixfold term of sheets over that of cells (`sheet_fields.roll_axis`); fitted on fig8-l-increasing,
@@ -49,14 +44,3 @@ class PreviewModel:
 
 
 PREVIEW_MODEL = PreviewModel()
-
-
-def without(part: str) -> PreviewModel:
-    """The model with one part turned off.
-
-    Examples
-    --------
-    >>> without("roll axis").off
-    ('roll axis',)
-    """
-    return replace(PREVIEW_MODEL, off=(part,))

@@ -40,6 +40,7 @@ from asterism.fem.elements.argyris import Argyris
 from asterism.pattern.layout.layout import Layout
 from asterism.previews.fields.star_cells import Shares, beside, stars_share
 from asterism.previews.fields.star_values import StarValues
+from asterism.previews.model import BUMPS, KEPT_ARMS
 from asterism.previews.places import Places, SheetLens
 
 
@@ -64,7 +65,7 @@ class StarLens(SheetLens):
         """The positions of the points for degrees of freedom x (N, 3) of the shell."""
         smooth, sheet = super().__call__(x), self.sheet
         values, off = sheet.values, sheet.model.off
-        if "bumps" in off:
+        if BUMPS in off:
             return smooth
         weights = self._shares(values.sizes[:, 0])
         rim = 2.0 * smooth.mean_curvature, self._nearest, sheet.layout.spacing_mm
@@ -72,7 +73,7 @@ class StarLens(SheetLens):
         if sheet.layout.pins:
             heights *= flattening(values, weights, smooth.area)
         bumps = heights[:, None] * smooth.normals
-        if "arms that keep their length" not in off:
+        if KEPT_ARMS not in off:
             bumps += smooth.moved(self._arm_shares.along @ sheet.arms.moves(x))
         return replace(smooth, bumps=bumps)
 

@@ -12,6 +12,7 @@ import shapely
 
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.errors import Error
+from asterism.pattern.design.border import OUTLINES
 from asterism.pattern.design.drawings import IMPORT_CURVE_MM, OUTLINE_CURVE_MM, holes_in, stored_line
 from asterism.pattern.drawing.read import DRAWING_FORMATS, Drawing, closed_curves
 from asterism.pattern.drawing.read import read_drawing as read_lines
@@ -114,10 +115,7 @@ def _layer_data(name: str, lines: list[FileLine], tolerance: float) -> dict[str,
 
 _DIGITS = 6
 # keys of the border that give an outline
-OUTLINE_KEYS = (
-    *("rings", "rectangle_mm", "polygon_mm", "bulge_mm", "circle_mm", "spline_mm", "rods"),
-    *("file", "layer", "origin", "units"),
-)
+OUTLINE_KEYS = (*OUTLINES, "bulge_mm", "file", "layer", "origin", "units")
 
 
 def with_drawing(

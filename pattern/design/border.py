@@ -21,6 +21,8 @@ MIN_SHEET_AREA_MM2 = 1.0
 MIN_SHEET_WIDTH_MM = 0.01
 MIN_SPIKE_ASPECT = 20.0
 MAX_HOLES = 1000
+# keys of `Border`, one of which has the outline
+OUTLINES = ("rings", "rectangle_mm", "polygon_mm", "circle_mm", "spline_mm", "rods")
 MAX_BENT = 1000
 # bulges of half a circle may be rounded
 BULGE_TOLERANCE_MM = 1e-3
@@ -108,7 +110,7 @@ class Border(Section):
 
     @model_validator(mode="after")
     def _one_outline(self) -> Border:
-        self._check_one_of("rings", "rectangle_mm", "polygon_mm", "circle_mm", "spline_mm", "rods")
+        self._check_one_of(*OUTLINES)
         for name in ("layer", "units"):
             if self.file is None and getattr(self, name) is not None:
                 raise DesignError(name, "goes with file", getattr(self, name))

@@ -12,7 +12,7 @@ import shapely
 
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.arguments import check_type
-from asterism.pattern.design.border import Border, Hole
+from asterism.pattern.design.border import OUTLINES, Border, Hole
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import BlankSheetError, DesignError
 from asterism.pattern.design.files import read_table
@@ -204,8 +204,7 @@ def _with_stars(design: Design, drawn: DrawnPattern) -> Layout:
     changes: dict[str, object] = {"holes": tuple(Hole(polygon_mm=ring.tolist()) for ring in drawn.holes), "rods": None}
     if design.border.rings is None:
         corners = tuple((float(x), float(y)) for x, y in drawn.outline)
-        straight = dict.fromkeys(("rectangle_mm", "circle_mm", "spline_mm", "bulge_mm"))
-        changes |= straight | {"polygon_mm": corners}
+        changes |= dict.fromkeys((*OUTLINES, "bulge_mm")) | {"polygon_mm": corners}
     border = design.border.model_copy(update=changes)
     alone = _of_stars(design.model_copy(update={"rods": None, "border": border, "pins": ()}))
     arms = alone.graph

@@ -41,7 +41,7 @@ from asterism.previews.fields.rim_arms import rim_arms
 from asterism.previews.fields.rosette import rosette_metric
 from asterism.previews.fields.star_cells import stars_share
 from asterism.previews.fields.star_values import StarPlaces, StarValues
-from asterism.previews.model import PREVIEW_MODEL, PreviewModel
+from asterism.previews.model import BUMPS, KEPT_ARMS, PREVIEW_MODEL, PreviewModel
 from asterism.previews.point_pins import neo_hookean_fabric, softness_at_points
 
 
@@ -166,6 +166,25 @@ CORRECTIONS: dict[str, Callable[[Fields, StarPlaces], Fields]] = {
     "softness at points": softness_at_points,
     "neo-Hookean fabric": neo_hookean_fabric,
 }
+PARTS = (*CORRECTIONS, BUMPS, KEPT_ARMS)
+
+
+def without(part: str) -> PreviewModel:
+    """The model with one part turned off.
+
+    Raises
+    ------
+    KeyError
+        `PARTS` has no part of that name.
+
+    Examples
+    --------
+    >>> without("roll axis").off
+    ('roll axis',)
+    """
+    if part not in PARTS:
+        raise KeyError(part)
+    return replace(PREVIEW_MODEL, off=(part,))
 
 
 def sheet_fields(at: StarPlaces) -> Fields:

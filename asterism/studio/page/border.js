@@ -84,7 +84,10 @@ export function ofKind(curve, kind) {
 
 /** The middle of an edge of a polygon, or of the part of a spline from one point to the next. */
 export function middleOf(curve, k) {
-  if (curve.kind === "spline") return piecesOf(curve)[k].at(piecesOf(curve)[k].length / 2);
+  if (curve.kind === "spline") {
+    const piece = piecesOf(curve)[k];
+    return piece.at(piece.length / 2);
+  }
   const { middle, out } = edgeOf(curve.points, k);
   return sum(middle, out.map((value) => value * curve.bulges[k]));
 }

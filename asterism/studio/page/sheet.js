@@ -85,9 +85,12 @@ export class Sheet {
     this.limits = { ...limits, law: limits.law ?? {} }; // null until the engine has said what the law covers
     this.printer = plan.printer ?? null;
     this.tables = local.pins ?? design.pins ?? [];
-    this.pins = (plan.pins ?? []).map((shown, k) =>
-      local.outline && this.tables[k] && !this.tables[k].holes && !(this.tables[k].edges && isCurved(design)) ? { ...shown, edges: heldEdges(this.tables[k], this.outline) } : shown,
-    );
+    this.pins = (plan.pins ?? []).map((shown, k) => {
+      const table = this.tables[k];
+      // held pieces of curves come from the server: numbers of edges are not those of pieces
+      const follows = local.outline && table && !table.holes && !(table.edges && isCurved(design));
+      return follows ? { ...shown, edges: heldEdges(table, this.outline) } : shown;
+    });
     this.directions = armDirections(design.lattice ?? {});
     this.tipMargin = design.border?.tip_margin_mm ?? TIP_MARGIN_MM;
     this.holes = local.holes ?? plan.holes_mm ?? [];

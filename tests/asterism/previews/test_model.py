@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from asterism.pattern.design.design import Design
-from asterism.previews.model import without
+from asterism.previews.fields.sheet_fields import PARTS, without
 from asterism.previews.session import Preview
 from tests.asterism.previews.laws import plain_law
 
@@ -38,6 +38,12 @@ def test_a_part_that_is_turned_off_changes_a_free_sheet(part: str) -> None:
     on, off = whole(), Preview(Design.from_dict(FREE), plain_law(), model=without(part))
     points = np.vstack([on.sheet.layout.arm_tip, 0.99 * on.sheet.layout.outline])
     assert np.abs(on.at(points).bumpy - off.at(points).bumpy).max() > 1e-6
+
+
+def test_parts_are_turned_off_by_their_names() -> None:
+    assert [without(part).off for part in PARTS] == [(part,) for part in PARTS]
+    with pytest.raises(KeyError):
+        without("roll axes")
 
 
 def test_an_edit_keeps_the_model() -> None:

@@ -26,7 +26,7 @@ export function showFault(line, message, marked, mark) {
 
 let count = 0;
 
-const refused = new Map(); // fields whose text is no value of theirs: what makes them forget it
+const refused = new Set(); // of each field whose text is no value of its own, what makes it forget that
 
 /** Fields show the numbers of the design again, whatever was typed into them: another design is shown. */
 export const forgetRefused = () => refused.forEach((forget) => forget());
@@ -70,8 +70,8 @@ export function numberField({
   function show(message) {
     showFault(fault, message, element, "bad");
     input.setAttribute("aria-invalid", String(Boolean(message)));
-    if (message) refused.set(element, forget);
-    else refused.delete(element);
+    if (message) refused.add(forget);
+    else refused.delete(forget);
   }
   function forget() {
     input.value = text(present);

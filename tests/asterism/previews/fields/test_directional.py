@@ -28,9 +28,9 @@ from asterism.homogenize.law.star_law import MAX_SEPARATED_CURL, StarLaw, StarTa
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-from asterism.previews.fields.sheet_fields import BENDING_POISSON, sheet_fields
+from asterism.previews.fields.sheet_fields import BENDING_POISSON, sheet_fields, without
 from asterism.previews.fields.star_values import StarValues, star_values
-from asterism.previews.model import PREVIEW_MODEL, without
+from asterism.previews.model import PREVIEW_MODEL
 from tests.asterism.previews.laws import places, plain_law
 from tests.homogenize.law.test_anisotropy import min_bending_ratio
 

@@ -20,8 +20,9 @@ from asterism.previews.fields.rim_arms import (
     in_holes,
     rim_curvature_share,
 )
+from asterism.previews.fields.sheet_fields import without
 from asterism.previews.fields.star_values import star_values
-from asterism.previews.model import PREVIEW_MODEL, without
+from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.session import Preview
 from tests.asterism.previews.laws import SPACING, places, plain_law
 
