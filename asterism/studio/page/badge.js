@@ -19,8 +19,9 @@ export const MEANINGS = {
 };
 
 /** The state of the shape that is drawn; what the server says of a frame that is still under way is not said of it. */
-export function badgeOf({ state: { badge }, frame, connection, document }) {
-  if (!document || !badge) return { kind: "computing", words: connection === "open" ? "Ready" : "Connecting" };
+export function badgeOf({ state: { badge, busy }, frame, connection, document }) {
+  const waits = busy ? "Starting" : "Ready";
+  if (!document || !badge) return { kind: "computing", words: connection === "open" ? waits : "Connecting" };
   if (connection === "lost") return { kind: "outdated", words: "Outdated", isStale: true };
   const isDrawn = frame ? frame.revision === badge.revision && frame.stage === badge.stage : badge.revision === null;
   return isDrawn ? { ...badge, isStale: badge.is_stale } : COMPUTING;

@@ -88,6 +88,7 @@ listenToKeys(studio);
 listenToDrops(studio);
 store.on(["showBumps"], ({ showBumps }) => studio.connection.send("bumps", { shown: showBumps }));
 
+const HINT_DOT = "\u00a0· "; // between the parts of a hint
 function showTool() {
   const { tool } = studio.tools[store.get("tool")];
   studio.plan.tool?.leave?.();
@@ -97,17 +98,22 @@ function showTool() {
   studio.plan.invalidate();
 }
 
+const fingers = matchMedia("(pointer: coarse)"); // a tablet, mostly without a keyboard
+/** A hint without the parts that need keys. */
+const withoutKeys = (hint) => hint.split(HINT_DOT).filter((part) => !/Shift|Alt|Ctrl|\[/.test(part)).join(HINT_DOT);
+
 /** What the pointer does in the plan; for some tools it depends on the design. */
 function showHint() {
-  const { hint } = studio.plan.tool;
+  const hint = fingers.matches ? withoutKeys(studio.plan.tool.hint) : studio.plan.tool.hint;
   const fault = tooLarge(store.get("sheet"));
   refresh($("plan-note"), [hint, fault], () => [
     fault ? h("span.strong.problem", { role: "status", testid: "too-large" }, fault) : null,
     h("span", hint),
   ]);
+  $("plan-note").hidden = !hint && !fault;
 }
 store.on(["tool"], showTool);
-store.on(["sheet", "sizesOf", "hole"], showHint);
+store.on(["sheet", "sizesOf", "sizesKind", "hole"], showHint);
 showTool();
 
 // canvases get the colours of the scheme that is used

@@ -100,6 +100,7 @@ export function createStore() {
     support: null, // selected needle: {table, point}
     corner: null, // selected corner of the outline
     hole: null, // selected hole
+    sizesKind: "radial", // how sizes run over the sheet
     sizesOf: "", // path of the rods that get sizes; "" for stars or all rods
     planColour: "none",
     viewColour: "none",

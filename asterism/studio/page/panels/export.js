@@ -30,7 +30,7 @@ export function openExport({ store, actions }) {
     onclick: () => actions.writeFiles(chosen),
   });
   const waiting = h("div.row", { hidden: () => !progress() }, [
-    h("span.grow", () => `${progress()?.stage} …`),
+    h("span.grow", "Writing the files …"),
     button({ text: "Cancel", testid: "export-cancel", onclick: actions.cancel }),
   ]);
   const written = h("div", { role: "status", testid: "export-result" });
@@ -47,10 +47,14 @@ export function openExport({ store, actions }) {
   }
   const update = () => {
     const { export: result } = store.get("results");
-    show(go, waiting);
+    show(go, waiting, shape);
     replace(written, !progress() && result?.files ? writtenPart(result) : null);
   };
-  const shape = `Write the shape too (OBJ, STL, GLB): ${store.get("badge").words}`;
+  const shape = check({
+    text: () => `Write the shape too (OBJ, STL, GLB): ${store.get("badge").words}`,
+    testid: "export-preview",
+    ...about("preview"),
+  });
   dialog(
     "Export for the printer",
     h("div.export", [
@@ -59,7 +63,7 @@ export function openExport({ store, actions }) {
       hint(
         "3MF and STL for the slicer, PDF, SVG and DXF at 1:1, drilling template, start code, instructions, and the rounded design.",
       ),
-      check({ text: shape, testid: "export-preview", ...about("preview") }),
+      shape,
       check({ text: "Print a line to cut along", testid: "export-border", ...about("border") }),
       numberField({
         label: "Needles on supported edges, at most apart",
@@ -72,7 +76,7 @@ export function openExport({ store, actions }) {
       waiting,
       written,
     ]),
-    { testid: "export-dialog", onclose: store.on(["results", "jobs"], update) },
+    { testid: "export-dialog", onclose: store.on(["results", "jobs", "badge"], update) },
   );
   update();
 }

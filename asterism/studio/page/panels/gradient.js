@@ -26,7 +26,7 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
   const design = () => store.get("sheet")?.design ?? {};
   const isOfRods = () => tool.path !== "stars";
   const present = () => sizeAt(design(), tool.path, QUANTITIES[settings.quantity].key);
-  const isLine = () => settings.kind === "radial" || settings.kind === "linear";
+  const isLine = () => tool.isLine;
   const values = { number: 7, low: 4, high: 10 }; // of the kinds that are no gradients
   let shown = [0, 20]; // what the sliders reach
   const change = (value) => edits.design(sizeChanges(design(), tool.path, settings.quantity, value));
@@ -130,6 +130,7 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
     Object.assign(values, isPicture(profile) ? { low, high } : { low: allowed(low, 0.25), high: allowed(high, 0.5) });
   }
   read();
+  store.set({ sizesKind: settings.kind });
 
   const page = [
     part(null, () => [listed(), tool.path], ([options]) => {
@@ -188,6 +189,7 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
   function update(isRead = false) {
     if (isRead) read();
     show(page);
+    store.set({ sizesKind: settings.kind });
     tool.plan.invalidate();
   }
   follow(on, ["sheet"], page);

@@ -14,7 +14,7 @@ function jobPart({ store }, { job, title, testid, about, found }) {
     const { [job]: result = null } = store.get("results");
     const running = Object.keys(store.get("jobs")); // one job runs at a time
     const isOld = Boolean(result?.summary) && result.revision !== store.get("document")?.revision;
-    return { result, isOld, running, about: about(running) };
+    return { result, isOld, running, about: about() };
   }
   return part(testid, known, ({ result, isOld, running, about: what }) => {
     if (what === null) return [];
@@ -89,9 +89,9 @@ export function fitPart(studio) {
     job: "fit",
     title: "Fit to the target",
     testid: "fit",
-    about(running) {
+    about() {
       const { target } = store.get("state");
-      return target && !running.includes("fit") ? { name: target.name } : null;
+      return target ? { name: target.name } : null;
     },
     found(result, _, old) {
       const about = result?.cancelled

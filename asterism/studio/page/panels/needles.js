@@ -27,6 +27,7 @@ const SLIDES = {
 };
 
 const PLACE = { min: -5000, max: 5000, step: 0.5, digits: 2 };
+const ABOUT_SPREAD = "Distances on the board over those on the print. Less: the sheet rises more.";
 const SPREAD = { label: "Spread on the board", unit: "", min: 0.001, max: 10, step: 0.01 };
 
 export function needlesPanel({ store, edits, tools }, { on }) {
@@ -167,7 +168,7 @@ export function needlesPanel({ store, edits, tools }, { on }) {
           field: "pins.target_mm",
           onchange: (value) => send(withSpread(now.tables, number, value)),
         }),
-        hint("Distances on the board over those on the print. Less: the sheet rises more."),
+        hint(ABOUT_SPREAD),
       );
     } else if (!table.target_mm) {
       parts.push(
@@ -178,6 +179,7 @@ export function needlesPanel({ store, edits, tools }, { on }) {
           field: "pins.scale",
           onchange: (value) => change({ scale: value }),
         }),
+        hint(ABOUT_SPREAD),
         numberField({
           ...PLACE,
           label: "Height",

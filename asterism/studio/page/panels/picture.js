@@ -1,6 +1,6 @@
 // The dialog that saves a picture of the sheet.
 
-import { button, check, choice, dialog, h, labelled } from "../dom.js";
+import { button, check, choice, dialog, h, labelled, show } from "../dom.js";
 import { numberField } from "./fields.js";
 
 /** What a picture says about itself: the design and the state of its shape. */
@@ -8,6 +8,7 @@ export const pictureTitle = (store) => `${store.get("document")?.name ?? "sheet"
 
 const SIZES = ["1600 × 1200", "1920 × 1080", "3000 × 2000", "3000 × 3000"];
 const OWN = "Own size";
+const UNMARKED = { selection: new Set(), under: new Set(), hover: null }; // a picture shows the stars as they are
 const SMALLEST_PX = 64;
 const LARGEST_PX = 8192; // a larger picture takes more than 1 GB while it is drawn
 
@@ -52,12 +53,23 @@ export function openPicture({ store, view, actions }) {
   const captions = check({ text: "Title and scale bar", value: true, testid: "picture-caption" });
   async function save() {
     const title = captions.box.checked ? pictureTitle(store) : null;
-    const blob = await view.picture(...size, { background: ground, title });
+    const marked = Object.fromEntries(Object.keys(UNMARKED).map((key) => [key, store.get(key)]));
+    store.set(UNMARKED);
+    const drawn = view.picture(...size, { background: ground, title });
+    store.set(marked);
+    const blob = await drawn;
     const link = h("a", { href: URL.createObjectURL(blob), download: `${name}.png` });
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 10000);
     element.close();
   }
+  const release = button({
+    text: "GIF of the release",
+    label: "An animated picture from the flat print to the exact shape, beside the design file",
+    testid: "animate",
+    disabled: () => store.get("badge").kind !== "exact",
+    onclick: () => (actions.animate(), element.close()),
+  });
   const element = dialog(
     "Save a picture of the sheet",
     [
@@ -67,15 +79,9 @@ export function openPicture({ store, view, actions }) {
       captions,
       h("div.row", [
         button({ icon: "camera", text: "Save PNG", kind: "primary", testid: "picture-go", onclick: save }),
-        button({
-          text: "GIF of the release",
-          label: "An animated picture from the flat print to the exact shape, beside the design file",
-          testid: "animate",
-          disabled: store.get("badge").kind !== "exact",
-          onclick: () => (actions.animate(), element.close()),
-        }),
+        release,
       ]),
     ],
-    { testid: "picture-dialog" },
+    { testid: "picture-dialog", onclose: store.on(["badge"], () => show(release)) },
   );
 }

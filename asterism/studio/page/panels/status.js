@@ -1,6 +1,6 @@
 // The line at the bottom: state of the shape, height, size, warnings, what is under the pointer.
 
-import { append, button, follow, h, part } from "../dom.js";
+import { append, button, follow, h, part, show } from "../dom.js";
 import { MEANINGS, activityOf, dotOf } from "../badge.js";
 import { mm, plural, seconds, size, times } from "../format.js";
 
@@ -22,7 +22,7 @@ export function buildStatus(element, { store, actions }) {
     return [stars || !rods ? plural(stars, "star") : "", rods ? plural(rods, "rod") : ""].filter(Boolean).join(", ");
   }
   const warnings = () => state().warnings?.length ?? 0;
-  const job = () => jobText(store.get("jobs"));
+  const job = jobClock(store);
   const dot = () => `dot ${dotOf(badge(), activity())}`;
   const line = follow(store.on, ["state", "badge", "frame", "document", "connection", "sheet", "jobs"], [
     h("span", { testid: "engine", role: "status", title: () => MEANINGS[badge().kind] }, [
@@ -42,8 +42,13 @@ export function buildStatus(element, { store, actions }) {
     ]),
     h("span.gap"),
   ]);
+  setInterval(() => job() && show(line), 1000);
   const place = part("under", () => under(store), ([words, sizes]) => [words, sizes && h("b", sizes)]);
-  const go = { type: "button", testid: "warnings", hidden: () => !warnings(), onclick: () => actions.showPage("shape") };
+  const onclick = () => {
+    actions.showPage("shape");
+    globalThis.document.querySelector("[data-testid=warning-list]")?.scrollIntoView({ block: "center" });
+  };
+  const go = { type: "button", testid: "warnings", hidden: () => !warnings(), onclick };
   const warned = h("button.button.plain", go, h("b", () => plural(warnings(), "warning")));
   follow(store.on, ["hover", "selection", "sheet"], place);
   follow(store.on, ["state"], warned);
@@ -71,8 +76,19 @@ const JOBS = {
   spread: "Computing the range of prints",
 };
 
-function jobText(jobs) {
-  const [name, { done, of, stage, seconds: spent } = {}] = Object.entries(jobs)[0] ?? [];
-  if (!name) return null;
-  return `${JOBS[name]}, ${of ? `${Math.round((100 * done) / of)} %` : `${stage} …`} ${seconds(spent)}`;
+const BEGINNINGS = ["starts", "starting"]; // stages that say no more than the name of the job
+
+/** What the running job does, and for how long. Between two messages of the server the page counts on by itself. */
+function jobClock(store) {
+  let running = null;
+  let begun = 0;
+  return () => {
+    const [name = null, progress = {}] = Object.entries(store.get("jobs"))[0] ?? [];
+    const { done, of, stage, seconds: said } = progress;
+    const now = performance.now() / 1000;
+    if (name !== running) [running, begun] = [name, now - said];
+    if (!name) return null;
+    const way = of ? `${Math.round((100 * done) / of)} %` : [...BEGINNINGS, name].includes(stage) ? "" : `${stage} …`;
+    return `${[JOBS[name], way].filter(Boolean).join(", ")}${way ? "" : " …"} ${seconds(Math.max(said, now - begun))}`;
+  };
 }

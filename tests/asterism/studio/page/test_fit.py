@@ -92,6 +92,7 @@ def test_a_sheet_is_fitted_to_the_target_and_again_with_weights(flat: StudioPage
     page.load_target(cap(tmp_path / "cap.stl", 30.0))
     before = page.get("studio.document.design")
     page.item("fit-go").click()
+    page.wait("document.querySelector('[data-testid=fit]').textContent.includes('Under way')")
     progress = "document.querySelector('[data-testid=job]').textContent"
     page.click_when(f"/% of the diameter/.test({progress})", "cancel")
     page.wait("document.querySelector('[data-testid=fit]').textContent.includes('Cancelled')")

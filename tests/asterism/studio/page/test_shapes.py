@@ -6,7 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
-from PIL import Image
+from PIL import Image, ImageChops
 
 from asterism.pattern import gallery
 from tests.asterism.studio.browser import PATIENCE_S, StudioPage
@@ -112,9 +112,16 @@ def test_a_picture_is_saved_at_a_chosen_size(shared: StudioPage) -> None:
             shared.item("picture-go").click()
         return Image.open(Path(download.value.path())).convert("RGB")
 
+    shared.item("tool-select").click()
+    shared.page.get_by_role("button", name="All", exact=True).click()
+    chosen = shared.get("studio.selection.length")
     shared.item("picture").click()
     shared.item("picture-size").select_option("1920 × 1080")
-    assert saved().size == (1920, 1080)
+    red, _, blue = (large := saved()).split()
+    assert large.size == (1920, 1080)
+    # what is selected is blue on the page only, and stays selected
+    assert ImageChops.subtract(blue, red).getextrema()[1] < 40
+    assert chosen > 0 and shared.get("studio.selection.length") == chosen
     shared.item("picture").click()
     shared.fill("picture-width", 700)
     shared.fill("picture-height", 420)

@@ -53,7 +53,11 @@ def test_a_gradient_over_the_whole_sheet_comes_with_one_click_and_is_taken_back(
     flat.item("tool-gradient").click()
     assert is_kind(flat, "number")
     before = flat.get("studio.sizes")
+    note = flat.page.locator("#plan-note")
+    assert not note.is_visible()
+    flat.drag((-40.0, 30.0), (35.0, 30.0))  # draws nothing: the size is the same everywhere
     flat.changed(lambda: flat.item("gradient-kind-linear").click())
+    assert "Drag from the first value" in note.inner_text() and not flat.page.locator(".toast.bad").count()
     profile = flat.get("studio.document.design.stars.length_mm")
     assert profile["profile"] == "linear"
     assert profile["start_mm"][0] == pytest.approx(-profile["end_mm"][0])

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 
-from tests.asterism.studio.browser import StudioPage
+from tests.asterism.studio.browser import VIEWPORT, StudioPage
 from tests.asterism.studio.test_badge import MATRIX
 
 
@@ -38,6 +38,42 @@ def test_whatever_speaks_of_the_shape_says_the_words_of_the_badge_and_the_form_o
     socket.send(json.dumps({**state, "release": {**release, "is_shown": True}}))
     page.wait("!document.querySelector('[data-testid=show-released]')")
     assert "energy +0.4 %" in page.item("exact-form-preview").inner_text()
+
+
+def test_open_dialogs_follow_the_shape_and_a_job_counts_its_seconds(shared: StudioPage) -> None:
+    page = shared
+    page.open("gallery-star")
+    (socket,) = page.live_sockets()
+    page.wait("studio.state.release?.is_same === true")
+    exact = page.get("studio.state")
+    preview = {**exact, "badge": {**exact["badge"], "kind": "preview", "words": "Preview, about 1.3 %"}}
+    socket.send(json.dumps(preview))
+    page.wait("studio.badge.kind === 'preview'")
+    page.item("picture").click()
+    assert page.item("animate").is_disabled()
+    socket.send(json.dumps(exact))
+    page.wait("studio.badge.kind === 'exact'")
+    assert page.item("animate").is_enabled()
+    page.page.keyboard.press("Escape")
+    page.item("export").click()
+    socket.send(json.dumps(preview))
+    page.wait("studio.badge.kind === 'preview'")
+    assert preview["badge"]["words"] in page.item("export-dialog").inner_text()
+    page.page.keyboard.press("Escape")
+
+    progress = {"type": "progress", "job": "export", "stage": "export", "done": 0, "of": 0, "seconds": 0.0}
+    socket.send(json.dumps(progress))
+    page.wait("/^Writing files … [1-9]/.test(document.querySelector('[data-testid=job]').textContent)")
+    socket.send(json.dumps({"type": "result", "job": "export", "cancelled": True}))
+    page.wait("!document.querySelector('[data-testid=cancel]').offsetParent")
+
+    # the number of the warnings leads to them, wherever the panel is scrolled to
+    page.page.set_viewport_size({"width": 1280, "height": 480})
+    socket.send(json.dumps({**exact, "warnings": [{"text": "The needles lean", "stars": [], "at_mm": None}]}))
+    page.item("warnings").click()
+    bottom = page.get("document.querySelector('[data-testid=warning-list]').getBoundingClientRect().bottom")
+    assert bottom < page.get("document.querySelector('[data-testid=warnings]').getBoundingClientRect().top")
+    page.page.set_viewport_size(VIEWPORT)
 
 
 def test_the_sheet_settles_after_a_stroke_and_is_shown_beside_its_preview(shared: StudioPage) -> None:

@@ -84,6 +84,14 @@ def test_a_tablet_has_bars_of_one_row_and_the_menu_has_what_does_not_fit(browser
             ".map((one) => Math.round(one.getBoundingClientRect().bottom))"
         )
         assert len(tops) > 3 and max(tops) - min(tops) <= 1, bar
+    note = page.page.locator("#plan-note").inner_text()
+    assert "Drag to paint" in note and "Shift" not in note
+    page.item("tool-needles").click()
+    middles = page.get(
+        "((item) => [item, item.firstElementChild].map((one) => one.getBoundingClientRect())"
+        ".map(({ top, height }) => top + height / 2))(document.querySelector('[data-testid=support-0]'))"
+    )
+    assert abs(middles[0] - middles[1]) < 1
     assert not page.item("show-bumps").is_visible()
     page.item("named-view").select_option("showBumps")
     page.wait("studio.isSmooth")

@@ -14,9 +14,14 @@ export class GradientTool extends PlanTool {
   #end = -1; // which end is dragged
   #begun = null; // first end of a line by keyboard
 
+  /** Whether the sizes run along a line; others are typed. */
+  get isLine() {
+    return ["radial", "linear"].includes(this.settings.kind);
+  }
+
   get hint() {
-    const isOfRods = this.path !== "stars";
-    return `Drag from the first value to the second${isOfRods ? "\u00a0· click a rod to choose it" : ""}`;
+    const drag = this.isLine ? "Drag from the first value to the second" : "";
+    return [drag, this.path === "stars" ? "" : "click a rod to choose it"].filter(Boolean).join("\u00a0· ");
   }
 
   /** Path of what gets sizes in the design file. */
@@ -55,7 +60,7 @@ export class GradientTool extends PlanTool {
   }
 
   move(event) {
-    if (this.#end < 0) return;
+    if (this.#end < 0 || !this.isLine) return;
     const moved = roundPoint(event.at, 1);
     this.#line = this.#line.map((end, k) => (k === this.#end ? moved : end));
     if (distance(...this.#line) > 1) {
@@ -85,7 +90,7 @@ export class GradientTool extends PlanTool {
   /** Enter at a star begins the line there, and ends it at another one. */
   key(event) {
     const { star } = this;
-    if (event.key !== "Enter" || !star) return false;
+    if (event.key !== "Enter" || !star || !this.isLine) return false;
     const at = roundPoint(star.at, 1);
     if (this.#begun && distance(this.#begun, at) > 1) {
       this.#line = [this.#begun, at];
@@ -147,7 +152,7 @@ export class GradientTool extends PlanTool {
 
   draw(context, plan, colour) {
     this.#drawChosen(context, plan, colour);
-    if (!this.#line) return;
+    if (!this.#line || !this.isLine) return;
     const [start, end] = this.#line;
     const { kind, from, to, quantity } = this.settings;
     const { digits } = QUANTITIES[quantity];
