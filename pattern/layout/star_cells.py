@@ -9,12 +9,12 @@ import numpy as np
 import shapely
 
 from asterism.equilibrium.arrays import Floats, Ints
-from asterism.pattern.design.border import MAX_SHEET_MM, Border, check_ring
+from asterism.pattern.design.border import MAX_SHEET_MM, Border, DrawnCircle, check_ring
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.lattice import Lattice
-from asterism.pattern.design.rods import DrawnCircle
+from asterism.pattern.design.section import FACES
 from asterism.pattern.design.sizing.profiles import sample
-from asterism.pattern.design.stars import FACES, MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM, Override, Site, Stars
+from asterism.pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM, Override, Site, Stars
 from asterism.pattern.geometry.planar import polygon_area
 
 _SIGN = {"up": 1, "down": -1, "free": 0}
