@@ -32,8 +32,7 @@ import numpy as np
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.linear.factor import Factor
 from asterism.fem.search.evidence import ShellEquilibrium, Trial
-from asterism.fem.search.guess_builder import GuessBuilder
-from asterism.fem.search.initial_guesses import MAX_ENERGY_RATIO, candidate_shapes
+from asterism.fem.search.initial_guesses import MAX_ENERGY_RATIO, GuessBuilder, candidate_shapes
 from asterism.fem.search.mean_fields import FLAT_SAG_MM, MeanFields, Side, mean_fields, side_of
 from asterism.fem.search.relax import MAX_FURTHER_ITERATIONS, factorise, follow, relax, softest_shell_modes
 from asterism.fem.search.simple_shapes import SimpleShape

@@ -13,12 +13,10 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.linear.factor import Factor
-from asterism.equilibrium.newton.find_minimum import find_minimum, is_definite_on_support
-from asterism.equilibrium.newton.minimise import Minimum
+from asterism.equilibrium.newton.minimise import Minimum, find_minimum, is_definite_on_support
 from asterism.equilibrium.newton.soft_modes import softest_modes as softest
 from asterism.fem.search.evidence import ShellEquilibrium, Trial
-from asterism.fem.search.guess_builder import InitialGuess
-from asterism.fem.search.initial_guesses import initial_guesses
+from asterism.fem.search.initial_guesses import InitialGuess, initial_guesses
 from asterism.fem.search.mean_fields import Side
 from asterism.fem.search.mixed_newton import mixed_newton
 from asterism.fem.search.simple_shapes import SimpleShape
