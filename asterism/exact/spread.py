@@ -24,9 +24,8 @@ from asterism.discrete.release.mesh_error import motions_left_free
 from asterism.discrete.release.prolongation import fit_to_surface
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.equilibrium.threads import one_blas_thread
-from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.design import Design
-from asterism.pattern.design.errors import DesignError, from_validation
+from asterism.pattern.design.errors import DesignError, check_type, from_validation
 from asterism.pattern.design.materials import BendingStiffness, Fabric, Plastic, ResidualCurvature
 from asterism.pattern.design.spread import Spread
 from asterism.pattern.design.stars import THICKNESS_RANGE_MM

@@ -1,4 +1,4 @@
-"""The section `[border]`: the outline of the sheet."""
+"""The section `[border]`: the outline of the sheet; with circles and ellipses, which lines of `[rods]` have too."""
 
 from __future__ import annotations
 
@@ -199,7 +199,7 @@ def _check_bulges(edge: Border | Hole) -> None:
         raise DesignError(f"bulge_mm[{k}]", allowed, edge.bulge_mm[k], place_mm=corners[k])
 
 
-def _check_points(points: Floats, field: str, value: object = None) -> None:
+def _check_points(points: Floats, field: str, value: object) -> None:
     """Refuse points (n, 2) mm that are far away, on one line, or repeated."""
     if np.abs(points).max() > MAX_SHEET_MM:
         raise DesignError(field, f"must be within {MAX_SHEET_MM:g} mm of the origin", value)
@@ -212,13 +212,13 @@ def _check_points(points: Floats, field: str, value: object = None) -> None:
         raise DesignError(field, "must not repeat a corner (nor the first at the end)", repeated, place_mm=repeated)
 
 
-def check_ring(corners: Floats, field: str, value: object = None) -> None:
+def check_ring(corners: Floats, field: str, value: object) -> None:
     """Refuse outlines (B, 2) mm that do not bound one piece of fabric.
 
     Raises
     ------
     DesignError
-        The message names the field, and the value if it is given.
+        The message names the field and the value.
     """
 
     def error(allowed: str, place_mm: Iterable[float] | None = None) -> DesignError:

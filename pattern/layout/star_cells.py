@@ -28,7 +28,7 @@ def star_margin_mm(border: Border, lattice: Lattice) -> float:
     return lattice.spacing_mm / 2 if border.star_margin_mm is None else border.star_margin_mm
 
 
-def star_cells(border: Border, lattice: Lattice, corners: Floats, holes: Sequence[Floats] = ()) -> Ints:
+def star_cells(border: Border, lattice: Lattice, corners: Floats, holes: Sequence[Floats]) -> Ints:
     """(n, 2) lattice cells with a star, from the origin outwards, counterclockwise at equal distance.
 
     Raises

@@ -11,8 +11,8 @@ from asterism.fem.search.evidence import Trial
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.supports import SupportSamples
 from asterism.pattern.layout.symmetries import Symmetry
-from asterism.previews.other_forms import other_forms
 from asterism.previews.session import Preview
+from asterism.previews.solve import other_forms
 from tests.asterism.previews.laws import plain_law
 from tests.distances import rms_distance
 
