@@ -13,8 +13,8 @@ from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.clock import Clock
 from asterism.equilibrium.errors import Error
 from asterism.equilibrium.threads import one_blas_thread
-from asterism.fem.search.evidence import ShellEquilibrium
 from asterism.fem.search.mean_fields import Side, check_side, mean_fields, side_of
+from asterism.fem.search.relax import ShellEquilibrium
 from asterism.fem.shell.shell import Shell
 from asterism.homogenize.law.law import Law
 from asterism.pattern.design.design import Design

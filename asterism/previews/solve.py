@@ -23,10 +23,9 @@ import numpy as np
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.clock import Clock
 from asterism.equilibrium.linear.factor import Factor
-from asterism.fem.search.evidence import ShellEquilibrium, Trial
 from asterism.fem.search.linear_response import Response, linear_response
 from asterism.fem.search.mean_fields import Side
-from asterism.fem.search.relax import energies_by_part, factorise, follow, softest_shell_modes
+from asterism.fem.search.relax import ShellEquilibrium, Trial, energies_by_part, factorise, follow, softest_shell_modes
 from asterism.fem.shell.shell import Shell
 from asterism.pattern.design.design import Design
 from asterism.pattern.geometry.diameter import diameter

@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from asterism.fem.search.evidence import Trial
+from asterism.fem.search.relax import Trial
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.supports import SupportSamples
 from asterism.pattern.layout.symmetries import Symmetry

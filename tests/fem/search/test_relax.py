@@ -10,9 +10,8 @@ from asterism.equilibrium.newton.minimise import find_minimum
 from asterism.fem.elements.argyris import Argyris
 from asterism.fem.elements.deformation import affine
 from asterism.fem.search import relax as search
-from asterism.fem.search.evidence import ShellEquilibrium
 from asterism.fem.search.mixed_newton import mixed_newton
-from asterism.fem.search.relax import follow, follow_load_steps, is_collapsing, relax
+from asterism.fem.search.relax import ShellEquilibrium, follow, follow_load_steps, is_collapsing, relax
 from asterism.fem.search.simple_shapes import SimpleShape
 from asterism.fem.shell.fields import FieldError, Fields, of_stretch
 from asterism.fem.shell.shell import Shell
