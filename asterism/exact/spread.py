@@ -19,7 +19,7 @@ from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.release.continuation import Report, prefixed_report, solve_on_mesh
 from asterism.discrete.release.equilibrium import Equilibrium
 from asterism.discrete.release.forms import ExactForm, distinct_forms
-from asterism.discrete.release.ladder import model_on
+from asterism.discrete.release.levels import model_on
 from asterism.discrete.release.mesh_error import motions_left_free
 from asterism.discrete.release.prolongation import fit_to_surface
 from asterism.equilibrium.arrays import Floats, Ints
