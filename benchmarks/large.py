@@ -22,7 +22,7 @@ from asterism.discrete.release.prolongation import prolong
 from asterism.equilibrium.linear.backends import make_factor
 from asterism.equilibrium.linear.factor import IterativeFactor
 from asterism.equilibrium.linear.sparse_pattern import stiffen
-from asterism.equilibrium.newton.regularisation import CONVEX_STIFFNESS_FRACTION
+from asterism.equilibrium.newton.minimise import CONVEX_STIFFNESS_FRACTION
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout

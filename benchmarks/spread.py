@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from asterism.discrete.release.continuation import solve_on_mesh
-from asterism.discrete.release.ladder import model_on
+from asterism.discrete.release.levels import model_on
 from asterism.discrete.release.prolongation import fit_to_surface
 from asterism.exact.spread import HALF_INTERVAL_SIGMAS, check_spread, spread, varied_model
 from asterism.pattern import gallery

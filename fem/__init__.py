@@ -7,8 +7,8 @@ Find the position x of the sheet, a map of the printed domain into space, that m
 with the strains `e = (E, K)` (`fem.shell.koiter`), the energy density W and its derivative S (`fem.shell.density`).
 The input is a set of fields over the printed domain: rest metric, rest curvature, density. Stars do not occur here.
 
-Rooms: `elements` (discretisations), `shell` (energy and its derivatives), `supports` (boundary conditions and loads),
-`search` (initial guesses, equilibria, response).
+Rooms: `elements` (discretisation and dead loads), `shell` (energy and its derivatives), `supports` (boundary
+conditions), `search` (initial guesses, equilibria, response).
 
 Units: mm, N, N mm, rad. Array sizes in docstrings: N scalar dofs, n free unknowns or points, T triangles, Q quadrature
 points of a triangle, m basis functions of a triangle. Derivatives come in the order 1, 2, 11, 22, 12.

@@ -16,7 +16,6 @@ CHECKED_MODULES = (
     "asterism.shape.pose",
     "asterism.shape.self_intersections",
     "asterism.shape.surface_fields",
-    "asterism.fem.elements.tabulation",
     "asterism.pattern.geometry",
     "asterism.pattern.layout.layout",
     "asterism.pattern.mesh.mesh",

@@ -181,9 +181,7 @@ def view_image(
     return canvas.image
 
 
-def fitting_scale(
-    shapes: Sequence[Drawable], view: View, size_px: tuple[int, int] = (1600, 1000), plain: bool = False
-) -> float:
+def fitting_scale(shapes: Sequence[Drawable], view: View, size_px: tuple[int, int], plain: bool) -> float:
     """The largest scale, in pixels per mm, at which each of several shapes fits a picture of `view_image`."""
     room = np.subtract(*_room(view, size_px, plain)[::-1])
     scales = []

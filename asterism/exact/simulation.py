@@ -19,8 +19,7 @@ from asterism.discrete.model.state import State, edge_tangents
 from asterism.discrete.release.continuation import Report
 from asterism.discrete.release.equilibrium import Equilibrium, roll_axis_deg
 from asterism.discrete.release.forms import find_minima, stars_off_branch
-from asterism.discrete.release.ladder import Ladder
-from asterism.discrete.release.levels import MeshLevel, SharedSearch, error_of_levels, solve_on_meshes
+from asterism.discrete.release.levels import Ladder, MeshLevel, SharedSearch, error_of_levels, solve_on_meshes
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.linear.backends import check_backend
 from asterism.equilibrium.threads import one_blas_thread

@@ -19,14 +19,13 @@ from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.release.continuation import Report, prefixed_report, solve_on_mesh
 from asterism.discrete.release.equilibrium import Equilibrium
 from asterism.discrete.release.forms import ExactForm, distinct_forms
-from asterism.discrete.release.ladder import model_on
+from asterism.discrete.release.levels import model_on
 from asterism.discrete.release.mesh_error import motions_left_free
 from asterism.discrete.release.prolongation import fit_to_surface
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.equilibrium.threads import one_blas_thread
-from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.design import Design
-from asterism.pattern.design.errors import DesignError, from_validation
+from asterism.pattern.design.errors import DesignError, check_type, from_validation
 from asterism.pattern.design.materials import BendingStiffness, Fabric, Plastic, ResidualCurvature
 from asterism.pattern.design.spread import Spread
 from asterism.pattern.design.stars import THICKNESS_RANGE_MM

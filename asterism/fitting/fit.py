@@ -9,13 +9,12 @@ from asterism.discrete.release.continuation import Report
 from asterism.fitting.errors import place_text
 from asterism.fitting.first_guess import FirstGuess, guess_design
 from asterism.fitting.residual import FitDistance, FitPlaces, Residual, target_distance
-from asterism.fitting.search import ExactCorrection, FitSearch
+from asterism.fitting.search import ExactCorrection, FitSearch, StarUnknowns
 from asterism.fitting.settings import FitSettings
-from asterism.fitting.star_unknowns import StarUnknowns
 from asterism.fitting.target import TargetSurface
 from asterism.homogenize.law.star_law import StarLaw
-from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import check_type
 from asterism.pattern.layout.build import layout
 from asterism.previews.law_choice import paper_law
 from asterism.previews.session import preview

@@ -18,9 +18,9 @@ from asterism.fitting.reach import MIN_FITTED_ARM_MM
 from asterism.homogenize.law.axes import AXES
 from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.star_law import StarLaw
-from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.entries import with_entries
+from asterism.pattern.design.errors import check_type
 from asterism.pattern.design.section import is_whole
 from asterism.pattern.geometry.planar import inside
 from asterism.pattern.layout.build import layout

@@ -19,7 +19,7 @@ from asterism.pattern.layout.build import load_design
 from asterism.process.environment import quoted
 
 
-def law_output_path(file: Path | None, output: Path | None, other: Path | None = None) -> Path:
+def law_output_path(file: Path | None, output: Path | None, other: Path | None) -> Path:
     """Path for a new law: `output`, or beside the file; the paper's law goes into the working directory.
 
     Parameters
@@ -38,7 +38,7 @@ def is_design(file: Path | None) -> bool:
     return file is not None and bool({"stars", "rods", "border"} & read_table(file).keys())
 
 
-def plan_from_file(file: Path | None, other: Path | None = None, note: Note | None = None) -> LawPlan:
+def plan_from_file(file: Path | None, other: Path | None, note: Note) -> LawPlan:
     """The cells of the law of a material, or of the stars or the motif of a design.
 
     Parameters

@@ -44,7 +44,7 @@ def material_in_words(path: Path) -> str:
 Note = Callable[[str], None]
 
 
-def read_design(path: Path, material: Path | None, note: Note | None = None) -> Design:
+def read_design(path: Path, material: Path | None, note: Note) -> Design:
     """A design that is to be computed, from its file, with the material of another file.
 
     Raises

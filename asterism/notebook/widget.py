@@ -5,15 +5,13 @@ from __future__ import annotations
 import json
 import posixpath
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import anywidget
 import traitlets
-
-from asterism.notebook.live_sheet import LiveSheet, Traits
 
 PACKAGE = Path(__file__).parents[1]
 ENTRY = "notebook/page/widget.js"
@@ -99,16 +97,21 @@ class SheetWidget(anywidget.AnyWidget):
     request = traitlets.Dict().tag(sync=True)
     height_px = traitlets.Int().tag(sync=True)
 
-    def __init__(self, traits: Traits, height_px: int, live: LiveSheet | None = None) -> None:
+    def __init__(
+        self,
+        traits: Mapping[str, Any],
+        height_px: int,
+        answer: Callable[[Mapping[str, Any]], Iterator[Mapping[str, Any]]] | None = None,
+    ) -> None:
         super().__init__(height_px=height_px, **traits)
-        self._live = live
+        self._answer = answer
         self.observe(self._asked, "request")
 
     def _asked(self, change: Any) -> None:
         """Answer a request of the page, stage by stage."""
-        if self._live is None:
+        if self._answer is None:
             return
-        for traits in self._live.answer(change["new"]):
+        for traits in self._answer(change["new"]):
             with self.hold_sync():  # a shape arrives together with its mesh
                 self.set_trait("mesh", traits.get("mesh", self.mesh))
                 self.set_trait("frame", traits.get("frame", self.frame))

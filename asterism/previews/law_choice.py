@@ -15,9 +15,9 @@ from asterism.homogenize.law.motif_law import MotifLaw, problem_of_motif
 from asterism.homogenize.law.plan import Sizes, without_law
 from asterism.homogenize.law.star_law import StarLaw
 from asterism.pattern.design.design import Design, leading_field
+from asterism.pattern.design.files import file_identity
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
-from asterism.process.file_identity import file_identity
 from asterism.process.listeners import Say, ignore_line
 
 if TYPE_CHECKING:
@@ -102,7 +102,7 @@ def serving_law(
 
 
 def _learned_law(
-    design: Design, sheet: Layout, before: Law[Any] | None, say: Say, respond: SolveCell | None = None
+    design: Design, sheet: Layout, before: Law[Any] | None, say: Say, respond: SolveCell | None
 ) -> StarLaw | MotifLaw:
     """The law of cells around the sizes of a design; a law `before` an edit keeps its cells if it is of its pattern."""
     # these load the exact model

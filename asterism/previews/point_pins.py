@@ -33,7 +33,6 @@ from asterism.fem.shell.hyperelastic import hyperelastic
 from asterism.homogenize.law.anisotropy import isotropic_constants
 from asterism.pattern.geometry.planar import triangle_angles
 from asterism.pattern.mesh.sheet_mesh import SheetMesh
-from asterism.previews.fields.star_values import StarPlaces
 
 
 def stretched_fabric(fields: Fields, stiffness: Floats, bare: Floats) -> EnergyTerm:
@@ -131,11 +130,6 @@ def around(mesh: SheetMesh, pins: Floats) -> tuple[Floats, Floats]:
     return edges, angles
 
 
-def softness_at_points(fields: Fields, at: StarPlaces) -> Fields:
-    """The fields with reduced membrane stiffness around pins."""
-    return softened(fields, at.softness)
-
-
 def softened(fields: Fields, soft: Floats | None) -> Fields:
     """The fields with the membrane stiffness divided by 1 + s, for a softness s (T, Q), from `softness`."""
     if soft is None:
@@ -144,13 +138,3 @@ def softened(fields: Fields, soft: Floats | None) -> Fields:
     stiffness = np.array(fields.density.stiffness)
     stiffness[..., :3, :3] /= (1.0 + soft)[..., None, None]
     return replace(fields, density=replace(fields.density, stiffness=stiffness))
-
-
-def neo_hookean_fabric(fields: Fields, at: StarPlaces) -> Fields:
-    """The fields with neo-Hookean bare fabric, on sheets that are pulled at points."""
-    if at.softness is None:
-        return fields
-    assert isinstance(fields.density, Density)
-    bare = 1.0 - np.asarray(at.weights.sum(axis=1)).reshape(at.shape)
-    term = stretched_fabric(fields, np.asarray(fields.density.stiffness), bare)
-    return replace(fields, density=replace(fields.density, term=term))

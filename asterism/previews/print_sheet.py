@@ -17,7 +17,7 @@ import numpy as np
 from skfem import MeshTri
 
 from asterism.equilibrium.arrays import Floats
-from asterism.fem.elements.argyris import Argyris, Tabulation
+from asterism.fem.elements.argyris import Argyris, Tabulation, area_load
 from asterism.fem.elements.deformation import affine
 from asterism.fem.shell.fields import Fields
 from asterism.fem.shell.shell import QUADRATURE_ORDER, Shell
@@ -29,7 +29,6 @@ from asterism.fem.supports.conditions import (
     impose_conditions,
     vertices_at,
 )
-from asterism.fem.supports.loads import area_load
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.layout.layout import Layout

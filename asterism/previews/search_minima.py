@@ -12,7 +12,7 @@ and all forms are stiff, so that no near-zero mode shows the others. Soft modes 
 either.
 
 **Near-zero modes** are motions of the sheet that cost little energy. A mode with the eigenvalue `s_i` (N/mm^3) of the
-Hessian against the printed area A would take the energy E at stake (`fem.search.evidence`) up to this amplitude, rms
+Hessian against the printed area A would take the energy E at stake (`fem.search.relax`) up to this amplitude, rms
 over the sheet, in % of its diameter D:
 
     a_i = 100/D sqrt(2 E / (s_i A)).
@@ -31,11 +31,17 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.linear.factor import Factor
-from asterism.fem.search.evidence import ShellEquilibrium, Trial
-from asterism.fem.search.guess_builder import GuessBuilder
-from asterism.fem.search.initial_guesses import MAX_ENERGY_RATIO, candidate_shapes
+from asterism.fem.search.initial_guesses import MAX_ENERGY_RATIO, GuessBuilder, candidate_shapes
 from asterism.fem.search.mean_fields import FLAT_SAG_MM, MeanFields, Side, mean_fields, side_of
-from asterism.fem.search.relax import MAX_FURTHER_ITERATIONS, factorise, follow, relax, softest_shell_modes
+from asterism.fem.search.relax import (
+    MAX_FURTHER_ITERATIONS,
+    ShellEquilibrium,
+    Trial,
+    factorise,
+    follow,
+    relax,
+    softest_shell_modes,
+)
 from asterism.fem.search.simple_shapes import SimpleShape
 from asterism.fem.shell.shell import Shell
 from asterism.pattern.geometry.rigid_fit import rigid_fit

@@ -13,23 +13,22 @@ from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.clock import Clock
 from asterism.equilibrium.errors import Error
 from asterism.equilibrium.threads import one_blas_thread
-from asterism.fem.search.evidence import ShellEquilibrium
 from asterism.fem.search.mean_fields import Side, check_side, mean_fields, side_of
+from asterism.fem.search.relax import ShellEquilibrium
 from asterism.fem.shell.shell import Shell
 from asterism.homogenize.law.law import Law
-from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import check_type
 from asterism.pattern.design.section import is_whole
 from asterism.pattern.layout.free_motions import check_weight_is_supported
 from asterism.pattern.layout.layout import Layout
 from asterism.previews.law_choice import serving_law
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
-from asterism.previews.other_forms import other_forms
 from asterism.previews.places import Places
 from asterism.previews.print_sheet import PrintSheet
 from asterism.previews.sheet import keep_print, preview_layout, sheet_for
 from asterism.previews.shown_shape import shown_shape, summary
-from asterism.previews.solve import PreviewState
+from asterism.previews.solve import PreviewState, other_forms
 from asterism.process.listeners import Say, ignore_line
 from asterism.results.records.preview import OtherFormRecord
 from asterism.shape.shape import Shape

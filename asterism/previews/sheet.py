@@ -19,8 +19,8 @@ from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.motif_law import MotifLaw
 from asterism.homogenize.law.plan import without_law
 from asterism.homogenize.law.star_law import StarLaw
-from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import check_type
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
 from asterism.previews.fields.rim_arms import free_normals, rim_curvature_share
@@ -33,7 +33,7 @@ from asterism.previews.star_lens import Arms, StarLens
 from asterism.results.words import PlacedWarning, star_numbers
 from asterism.shape.design_warnings import site_warnings, sizing_warnings
 
-# how far back along an arm its star is, in spacings: half way to the next one (`fields/rosette.py`)
+# how far back along an arm its star is, in spacings: half way to the next one (`sheet_fields.rosette_metric`)
 ARM_SETBACK = 0.5
 # attributes of a layout that determine the positions of its arms
 ARM_PLACES = ("centres", "star_number", "arm_star", "arm_tip")

@@ -6,6 +6,10 @@ what did not change: mesh, smoothed cells, supports, and the factor.
 
 The linear response of an edit gives a picture its positions. Its energies and its gradient would take a third of the
 time of a response, and are computed when a summary asks for them.
+
+**Other forms.** The search may meet further minima besides the one that is shown. Two minima are one form if a motion
+that the supports leave free and a symmetry of the design bring their star centres together, or the sites of the lattice
+of a motif.
 """
 
 from __future__ import annotations
@@ -19,16 +23,18 @@ import numpy as np
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.clock import Clock
 from asterism.equilibrium.linear.factor import Factor
-from asterism.fem.search.evidence import ShellEquilibrium
 from asterism.fem.search.linear_response import Response, linear_response
 from asterism.fem.search.mean_fields import Side
-from asterism.fem.search.relax import energies_by_part, factorise, follow, softest_shell_modes
+from asterism.fem.search.relax import ShellEquilibrium, Trial, energies_by_part, factorise, follow, softest_shell_modes
 from asterism.fem.shell.shell import Shell
 from asterism.pattern.design.design import Design
+from asterism.pattern.geometry.diameter import diameter
+from asterism.pattern.layout.free_motions import FreeMotions, free_motions
 from asterism.pattern.layout.layout import Layout
-from asterism.pattern.layout.symmetries import Symmetry
+from asterism.pattern.layout.symmetries import Symmetry, distances_of_images
 from asterism.previews.print_sheet import PrintSheet
 from asterism.previews.search_minima import SheetTraits, apply_supports, find_equilibrium
+from asterism.results.records.preview import OtherFormRecord
 
 # name of the start of an equilibrium that an edit led to
 EDIT_START = "edit"
@@ -254,3 +260,51 @@ class WatchedFactor:
     def close(self) -> None:
         """Free the memory."""
         self.factor.close()
+
+
+# sheets with fewer stars or sites have no list of other forms, because these points cannot distinguish them
+MIN_STARS = 3
+# two minima have the same form if the rms distance of these points, in % of the diameter, is at most this
+EQUAL_FORM_PERCENT = 2.0
+
+
+def other_forms(state: PreviewState) -> list[tuple[OtherFormRecord, Trial]]:
+    """The other forms, each with the trial that found it; the lowest one is first."""
+    shown, layout = state.resting, state.layout
+    minima = sorted((trial for trial in shown.trials if trial.is_minimum), key=lambda trial: trial.energy)
+    if len(minima) < 2 or len(layout.sample_points) < MIN_STARS:
+        return []
+    diameter_mm = diameter(state.shell.node_positions(shown.x))
+    known, forms = [(shown.x, _free(state, shown.x))], list[tuple[OtherFormRecord, Trial]]()
+    for trial in minima:
+        apart = [100.0 * _distance(state, form, trial.x, free) / diameter_mm for form, free in known]
+        if min(apart) > EQUAL_FORM_PERCENT:
+            form = OtherFormRecord(
+                start=trial.name,
+                energy_n_mm=trial.energy,
+                gap=(trial.energy - shown.energy) / shown.absolute_energy,
+                distance_percent=float(apart[0]),
+            )
+            forms.append((form, trial))
+            known.append((trial.x, _free(state, trial.x)))
+    return forms
+
+
+def _distance(state: PreviewState, first: Floats, second: Floats, free: FreeMotions) -> float:
+    """mm, rms distance of two minima (N, 3) by their dofs, after the nearest symmetry and free motion."""
+    points, space = state.layout.sample_points, state.sheet.space
+    at = space.locate(points).value
+
+    def second_at(places: Floats) -> Floats:
+        return np.asarray(space.locate(places).value @ second)
+
+    return float(distances_of_images(points, at @ first, second_at, state.sheet.symmetries, free).min())
+
+
+def _free(state: PreviewState, x: Floats) -> FreeMotions:
+    """The rigid motions that the supports leave to a minimum."""
+    supports = state.layout.support_samples
+    if len(supports.printed) == 0:
+        return FreeMotions()
+    positions = state.sheet.space.locate(supports.printed).value @ x
+    return free_motions(supports, positions, state.design.gravity.pull)

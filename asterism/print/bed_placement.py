@@ -50,7 +50,7 @@ class BedPlacement:
 
 
 def place_on_bed(
-    plan: Layout, steps: tuple[Terrace, ...], printer: Printer, turn_deg: float = 0.0, may_turn: bool = True
+    plan: Layout, steps: tuple[Terrace, ...], printer: Printer, turn_deg: float, may_turn: bool
 ) -> BedPlacement:
     """Put the origin of the design to the middle of the bed, or else the middle of the sheet, or as near as possible.
 

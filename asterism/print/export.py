@@ -11,9 +11,8 @@ from typing import Any
 
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.law import Law
-from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.design import Design, save_design
-from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.errors import DesignError, check_type
 from asterism.pattern.design.materials import Plastic
 from asterism.pattern.geometry.diameter import diameter
 from asterism.pattern.layout.free_motions import free_motions
@@ -159,9 +158,7 @@ def export(
     return PrintExport(job, write_export(job, directory, change, demanded), tuple(warnings), tuple(doubts))
 
 
-def check_shape_request(
-    directory: str | Path, settings: ExportSettings, shape: Shape | str | Path | None = None
-) -> None:
+def check_shape_request(directory: str | Path, settings: ExportSettings, shape: Shape | str | Path | None) -> None:
     """Raise DesignError for two sources of the shape in space, or a directory whose results its files would replace."""
     given = (("--shape", shape is not None), ("--preview", settings.preview), ("--simulate", settings.simulate))
     options = [name for name, is_given in given if is_given]

@@ -28,10 +28,10 @@ from asterism.print.drawing import (
     font_size_within,
     rectangle,
 )
-from asterism.print.formats.needle_table import fixed_point
 from asterism.print.job import Job
 from asterism.print.needles import HOLE_DIAMETER_MM
 from asterism.print.solid import Terrace
+from asterism.results.words import fixed_point
 
 # layers
 FRAME = DrawingLayer("frame", "#6b6b6b", 0.5, meaning="frame")

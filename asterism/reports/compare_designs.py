@@ -14,9 +14,8 @@ from asterism.draw.picture import fitting_scale, small_png, view_image
 from asterism.draw.render import View
 from asterism.equilibrium.errors import Error
 from asterism.homogenize.law.law import Law
-from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.design import Design
-from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.errors import DesignError, check_type
 from asterism.pattern.layout.symmetries import symmetries
 from asterism.previews.session import preview
 from asterism.print.job import Job, prepare

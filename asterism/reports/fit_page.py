@@ -22,7 +22,7 @@ from asterism.equilibrium.arrays import Bools, Floats
 from asterism.fitting.fit import Fit
 from asterism.fitting.target import TargetSurface
 from asterism.measure.compare.comparison_picture import SIGNED_DISTANCE_COLOURS, surface_cut
-from asterism.pattern.design.arguments import check_type
+from asterism.pattern.design.errors import check_type
 from asterism.pattern.geometry.planar import distance_to_outline
 from asterism.print.formats.obj import write_shape_obj
 from asterism.reports.html import design_rows, figures, html_page, html_table, png, tiles, warnings_box

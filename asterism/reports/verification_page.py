@@ -5,7 +5,7 @@ from __future__ import annotations
 from html import escape
 from pathlib import Path
 
-from asterism.pattern.design.arguments import check_type
+from asterism.pattern.design.errors import check_type
 from asterism.print.formats.obj import write_shape_obj
 from asterism.reports.html import design_rows, figures, html_page, html_table, png, tiles, warnings_box
 from asterism.reports.plots import comparison_views, distance_map, profiles

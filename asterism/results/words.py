@@ -15,6 +15,12 @@ def table_lines(rows: dict[str, str], column: int = 20) -> list[str]:
     return [f"  {label:<{column}} {text}" for label, text in rows.items()]
 
 
+def fixed_point(value: float, digits: int) -> str:
+    """A number with so many digits after the point, without a minus before zeros."""
+    text = f"{value:.{digits}f}"
+    return text.removeprefix("-") if not text.strip("-0.") else text
+
+
 def star_numbers(stars: Sequence[int]) -> str:
     """The numbers of stars; of many, the first ones."""
     numbers = ", ".join(map(str, stars[:MAX_NAMED_STARS])) + (", ..." if len(stars) > MAX_NAMED_STARS else "")

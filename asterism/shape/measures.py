@@ -16,7 +16,7 @@ from asterism.shape.shape import Shape
 
 if TYPE_CHECKING:  # slow to import
     from asterism.discrete.release.equilibrium import Equilibrium
-    from asterism.fem.search.evidence import ShellEquilibrium
+    from asterism.fem.search.relax import ShellEquilibrium
 
 
 def shape_numbers(

@@ -13,8 +13,7 @@ from typing import Any
 
 from asterism.equilibrium.errors import Error
 from asterism.pattern.design.design import Design
-from asterism.pattern.design.files import read_table
-from asterism.process.file_identity import file_identity
+from asterism.pattern.design.files import file_identity, read_table
 from asterism.results.files import write_file
 
 

@@ -31,9 +31,8 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import BlankSheetError, DesignError
 from asterism.pattern.layout.painted_stars import with_painted_stars
 from asterism.previews.law_choice import law_of, paper_law
-from asterism.previews.other_forms import other_forms
 from asterism.previews.session import Preview, SearchLimitError, SnapshotError
-from asterism.previews.solve import EDIT_START, FORM_START
+from asterism.previews.solve import EDIT_START, FORM_START, other_forms
 from asterism.process.compiling import clock_without_compiling, signs_while_compiling
 from asterism.studio.answers import UNEXPECTED, blank_summary, engine_problem, rest_summary
 from asterism.studio.engine_frames import EQUILIBRIUM, EngineFrames

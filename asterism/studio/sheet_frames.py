@@ -18,9 +18,8 @@ from asterism.pattern.geometry.rigid_fit import rigid_fit
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout, off_sheet_mm
 from asterism.pattern.mesh.meshing import mesh_layout
-from asterism.shape.blank_sheet import blank_sheet
 from asterism.shape.cell_mean import CellMean
-from asterism.shape.shape import Shape
+from asterism.shape.shape import Shape, blank_sheet
 from asterism.shape.surface_fields import surface_triangle_areas
 from asterism.studio.messages import Frame
 

@@ -36,7 +36,7 @@ from asterism.homogenize.campaign.kept_samples import Outcome, attempt, sources_
 from asterism.homogenize.errors import UnreadableLaw
 from asterism.homogenize.law.law import Law
 from asterism.pattern.design.design import Design
-from asterism.process.file_identity import file_identity
+from asterism.pattern.design.files import file_identity
 from asterism.results.words import doubts
 from asterism.shape.shape import Shape
 

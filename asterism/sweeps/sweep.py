@@ -24,9 +24,9 @@ from asterism.homogenize.campaign.workers import CampaignProgress, Finished, def
 from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.law_file import law_digest
 from asterism.homogenize.law.plan import without_law
-from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.entries import with_entries
+from asterism.pattern.design.errors import check_type
 from asterism.process.version import __version__
 from asterism.results.files import SUMMARY_FILE, OutputError, staged_result
 from asterism.results.records.sweep import SweepColumnRecord, SweepParameterRecord, SweepRecord, SweepRowRecord

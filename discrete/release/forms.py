@@ -9,8 +9,7 @@ import numpy as np
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.release.continuation import Report, prefixed_report, solve_on_mesh
 from asterism.discrete.release.equilibrium import Equilibrium, roll_axis_deg
-from asterism.discrete.release.ladder import Ladder
-from asterism.discrete.release.levels import MeshLevel, SharedSearch, solve_through_levels
+from asterism.discrete.release.levels import Ladder, MeshLevel, SharedSearch, solve_through_levels
 from asterism.discrete.release.mesh_error import motions_left_free, places
 from asterism.discrete.release.release_start import release_starts, start_of_design
 from asterism.equilibrium.arrays import Array

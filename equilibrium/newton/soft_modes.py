@@ -30,7 +30,7 @@ def softest_modes(mass: MassOperator, factor: Factor, rigid: Floats, count: int)
     Parameters
     ----------
     mass : M (size, size), positive definite.
-    factor : holds H on an isostatic support, positive definite (see `find_minimum.is_definite_on_support`).
+    factor : holds H on an isostatic support, positive definite (see `minimise.is_definite_on_support`).
     rigid : (size, r) motions that H maps to zero, left out of the modes; r may be 0.
     count : number of modes; the result has fewer if the problem has fewer.
 

@@ -18,6 +18,7 @@ from functools import cached_property
 import numpy as np
 import scipy.sparse as sp
 from jaxtyping import Float, Int
+from numpy.typing import ArrayLike
 from scipy.sparse.csgraph import connected_components
 from skfem import ElementTriArgyris, ElementTriP1, MeshTri
 from skfem.assembly.dofs import Dofs
@@ -26,9 +27,17 @@ from skfem.quadrature import get_quadrature
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.equilibrium.compiled import loop
 from asterism.fem.elements.deformation import affine, flat
-from asterism.fem.elements.monomials import POWERS, monomials, polynomials
 
 JetMap = Callable[[Floats], Floats]
+DEGREE = 5
+# exponents (21, 2) of all monomials: degree by degree, the first one rising
+POWERS: Ints = np.array([(i, n - i) for n in range(DEGREE + 1) for i in range(n + 1)])
+# order of the derivatives 0, 1, 2, 11, 22, 12 by the first and by the second variable
+_BY = np.array([(0, 0), (1, 0), (0, 1), (2, 0), (0, 2), (1, 1)])
+# (21, 6, 2) exponents of the derivatives; -1 and -2 belong to derivatives that are zero
+_LEFT = POWERS[:, None] - _BY
+# (21, 6) factors of the derivatives
+_FACTORS = np.prod([np.where(k < _BY, POWERS[:, None] - k, 1) for k in (0, 1)], axis=(0, -1)).astype(float)
 ORDERS = np.array([0, 1, 1, 2, 2, 2])  # order of derivative of the vertex dofs: value, 1, 2, 11, 22, 12
 MAX_OUTSIDE = 0.3  # heights of a triangle, largest distance of a point outside the mesh
 MIN_DEPTH = 1e-6  # heights of a triangle, depth from which on a point is in this triangle only
@@ -217,6 +226,71 @@ class Evaluation:
         dofs, jets = self._space.jets(self._triangles, self._points)
         ends = dofs.shape[1] * np.arange(len(dofs) + 1)
         return sp.csr_matrix((jets[..., 0].ravel(), dofs.ravel(), ends), shape=(len(dofs), self._space.size))
+
+
+def monomials(points: Floats) -> Floats:
+    """(n, 21, 6) values and derivatives 1, 2, 11, 22, 12 of the monomials at points (n, 2)."""
+    ladder = np.ones((2, len(points), DEGREE + 1))
+    for power in range(1, DEGREE + 1):
+        ladder[:, :, power] = ladder[:, :, power - 1] * points.T
+    first, second = np.moveaxis(np.maximum(_LEFT, 0), -1, 0)
+    return np.asarray(_FACTORS * ladder[0].take(first, axis=1) * ladder[1].take(second, axis=1))
+
+
+@loop
+def polynomials(factors, scale, pieces, points, out):  # type: ignore[no-untyped-def]
+    """Write values and derivatives 1, 2, 11, 22, 12 of c piecewise polynomials at points (n, 2) to out (n, 6, c).
+
+    `pieces` (n,) are the pieces of the points, `factors` (T, k, c) the coefficients of a piece in the order of
+    `POWERS`, and `scale` (T,) its unit of length; points are in this unit. Horner's scheme, first along the
+    second coordinate and then along the first one.
+    """
+    for p in range(points.shape[0]):
+        coefficients, unit = factors[pieces[p]], 1.0 / scale[pieces[p]]
+        square = unit * unit
+        u, v = points[p]
+        for c in range(coefficients.shape[1]):
+            f = f1 = f11 = f2 = f12 = f22 = 0.0  # of second derivatives in the same coordinate the half
+            for i in range(DEGREE, -1, -1):
+                q = q2 = q22 = 0.0
+                for n in range(DEGREE, i - 1, -1):
+                    q22 = q22 * v + q2
+                    q2 = q2 * v + q
+                    q = q * v + coefficients[n * (n + 1) // 2 + i, c]
+                f11 = f11 * u + f1
+                f1 = f1 * u + f
+                f = f * u + q
+                f12 = f12 * u + f2
+                f2 = f2 * u + q2
+                f22 = f22 * u + q22
+            out[p, 0, c], out[p, 1, c], out[p, 2, c] = f, f1 * unit, f2 * unit
+            out[p, 3, c], out[p, 4, c], out[p, 5, c] = 2.0 * f11 * square, 2.0 * f22 * square, f12 * square
+
+
+def area_load(space: Argyris, force: ArrayLike | Callable[[Floats], Floats]) -> Floats:
+    """(N, 3) N, forces `F_i = int f phi_i` on the dofs, of a dead load f per printed area: it keeps size and direction.
+
+    The potential at positions x is `-sum(F * x)`, its Hessian is zero, and the total force is constant.
+
+    Parameters
+    ----------
+    force : N/mm^2, (3,) or a function of printed points (n, 2) mm to (n, 3). Gravity is (0, 0, -weight per area).
+
+    Examples
+    --------
+    A plate of 1 mm^2 that weighs 2 N; the sum over the dofs that are positions is the weight:
+
+    >>> from skfem import MeshTri
+    >>> space = Argyris(MeshTri())
+    >>> area_load(space, (0.0, 0.0, -2.0))[space.vertex_dofs[:, 0]].sum(axis=0).round(6) + 0.0
+    array([ 0.,  0., -2.])
+    """
+    table = space.tabulate(2 * DEGREE)
+    values = np.asarray(force(table.points.reshape(-1, 2)) if callable(force) else force, dtype=float)
+    at = np.broadcast_to(values, (table.weights.size, 3)).reshape(*table.weights.shape, 3)
+    loads = np.zeros((space.size, 3))
+    np.add.at(loads, table.dofs, np.einsum("tq,tqm,tqr->tmr", table.weights, table.values, at))
+    return loads
 
 
 def triangles_at(mesh: MeshTri, points: Floats) -> Ints:

@@ -7,18 +7,15 @@ Hessian is not positive definite is a saddle; the search leaves it along its low
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.linear.factor import Factor
-from asterism.equilibrium.newton.find_minimum import find_minimum, is_definite_on_support
-from asterism.equilibrium.newton.minimise import Minimum
+from asterism.equilibrium.newton.minimise import Minimum, find_minimum, is_definite_on_support
 from asterism.equilibrium.newton.soft_modes import softest_modes as softest
-from asterism.fem.search.evidence import ShellEquilibrium, Trial
-from asterism.fem.search.guess_builder import InitialGuess
-from asterism.fem.search.initial_guesses import initial_guesses
+from asterism.fem.search.initial_guesses import InitialGuess, initial_guesses
 from asterism.fem.search.mean_fields import Side
 from asterism.fem.search.mixed_newton import mixed_newton
 from asterism.fem.search.simple_shapes import SimpleShape
@@ -37,6 +34,53 @@ MAX_RELAX_ITERATIONS = 1000
 MAX_GUESSES = 2  # guesses of different kinds that are followed
 MAX_TURNED_GUESSES = 2  # guesses of the best kind in other directions that are followed
 MODE_COUNT = 3  # softest modes that are computed
+
+
+@dataclass(frozen=True)
+class Trial:
+    """An initial guess that was followed, with the state x (N, 3) in mm where it ended and its energy in N mm."""
+
+    name: str
+    energy: float
+    is_minimum: bool
+    iterations: int
+    x: Floats
+
+
+@dataclass(kw_only=True)
+class ShellEquilibrium(Minimum):
+    """A state of the shell with its certificate: minimum, saddle or not converged.
+
+    Attributes
+    ----------
+    strains : (T, Q, 6) at the quadrature points; `follow` continues from them.
+    energies : N mm, by part: as `Shell.energies`, with the part of Gaussian curvature as `gaussian`.
+    soft_modes : (k,) N/mm^3, smallest eigenvalues of the Hessian with respect to the mass matrix of unit density. A
+        mode of 1 mm rms displacement has half of this times the area as its energy. An eigenvalue far below the others
+        belongs to a near-zero mode, such as a rotation of the roll axis of a uniform sheet. Empty if not computed.
+    guess : name of the initial guess that led here.
+    trials : all initial guesses that were followed.
+    load_steps : number of steps in which fields and loads were applied; 0 without load steps.
+
+    For the others, see `Minimum`.
+    """
+
+    strains: Floats
+    energies: dict[str, float]
+    guess: str
+    soft_modes: Floats = field(default_factory=lambda: np.empty(0))
+    trials: tuple[Trial, ...] = ()
+    load_steps: int = 0
+
+    @property
+    def x(self) -> Floats:
+        """(N, 3) positions of the dofs, mm."""
+        return self.state  # type: ignore[no-any-return]
+
+    @property
+    def absolute_energy(self) -> float:
+        """N mm, sum of the absolute values of the parts: the scale of errors of the energy."""
+        return sum(map(abs, self.energies.values()))
 
 
 def relax(

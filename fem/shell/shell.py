@@ -54,7 +54,7 @@ class Shell:
     space : discretisation of the printed sheet.
     fields : rest metric, rest curvature and density.
     conditions : supports, see `fem.supports.conditions`.
-    loads : (N, 3) N, dead loads of `fem.supports.loads`.
+    loads : (N, 3) N, dead loads, as of `fem.elements.argyris.area_load`.
     order : polynomial degree that the quadrature integrates exactly.
 
     Attributes
@@ -143,9 +143,7 @@ class Shell:
     def _checked_loads(self, loads: Floats) -> Floats:
         loads = np.asarray(loads, dtype=float)
         if loads.shape != (self.space.size, 3) or not np.isfinite(loads).all():
-            raise ValueError(
-                f"loads must be finite, shape ({self.space.size}, 3), as of fem.supports.loads: got {loads.shape}"
-            )
+            raise ValueError(f"loads must be finite, shape ({self.space.size}, 3), as of area_load: got {loads.shape}")
         return loads
 
     def _set_fields(self, fields: Fields) -> None:

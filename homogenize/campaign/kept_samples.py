@@ -71,7 +71,7 @@ SAMPLE_SOURCES = {
     discrete: ("**/*.py",),
     equilibrium: ("**/*.py",),
     pattern: (
-        "rods/*.py", "mesh/delaunay_mesh.py", "mesh/triangulate.py", "mesh/outline_points.py", "geometry/*.py",
+        "rods/*.py", "mesh/triangulate.py", "mesh/outline_points.py", "geometry/*.py",
         "design/lattice.py", "design/materials.py",
         "layout/layout.py",
         "mesh/graded_mesh.py", "layout/supports.py", "layout/sheet_edges.py",

@@ -1,4 +1,4 @@
-"""The section `[border]`: the outline of the sheet."""
+"""The section `[border]`: the outline of the sheet; with circles and ellipses, which lines of `[rods]` have too."""
 
 from __future__ import annotations
 
@@ -7,12 +7,11 @@ from typing import Annotated, Literal, Self
 
 import numpy as np
 import shapely
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.errors import DesignError
-from asterism.pattern.design.rods import DrawnCircle
-from asterism.pattern.design.section import Line, Number, Point, Section, Text, Whole, within
+from asterism.pattern.design.section import Line, Number, NumberOrPair, Point, Section, Text, Whole, within
 from asterism.pattern.geometry.planar import distance_to_segment
 
 MAX_SHEET_MM = 5000.0
@@ -26,6 +25,53 @@ OUTLINES = ("rings", "rectangle_mm", "polygon_mm", "circle_mm", "spline_mm", "ro
 MAX_BENT = 1000
 # bulges of half a circle may be rounded
 BULGE_TOLERANCE_MM = 1e-3
+# of circles and arcs, of the outline and of lines
+MIN_RADIUS_MM = 0.5
+MAX_RADIUS_MM = 1e4
+MAX_ASPECT = 20.0  # of an ellipse
+
+
+class DrawnCircle(Section):
+    """A circle by its centre and radius, or an ellipse by its half axes along x and y in place of the radius.
+
+    Examples
+    --------
+    >>> ellipse = DrawnCircle(radius=(40.0, 25.0), turn_deg=90.0)
+    >>> ellipse.half_axes, ellipse.at(np.zeros(1)).round(9).tolist()
+    ((40.0, 25.0), [[0.0, 40.0]])
+    """
+
+    centre: Point = (0.0, 0.0)
+    radius: NumberOrPair
+    turn_deg: Number = Field(0.0, ge=-360, le=360)  # by which the half axes are turned, counterclockwise
+
+    @property
+    def half_axes(self) -> tuple[float, float]:
+        """mm, along x and y before it is turned."""
+        x, y = np.broadcast_to(self.radius, 2)
+        return float(x), float(y)
+
+    def at(self, angle: Floats) -> Floats:
+        """(n, 2) mm, points by the angle of a circle (n,) rad whose two axes are stretched to the half axes."""
+        turn, (a, b) = np.radians(self.turn_deg), self.half_axes
+        x, y, c, s = a * np.cos(angle), b * np.sin(angle), np.cos(turn), np.sin(turn)
+        return np.asarray(self.centre) + np.column_stack([c * x - s * y, s * x + c * y])
+
+    @property
+    def box(self) -> Floats:
+        """(2, 2) mm, lower left and upper right corner of the box around it."""
+        half = np.hypot(*(self.at(np.array([0.0, np.pi / 2])) - self.centre))
+        return np.array([self.centre - half, self.centre + half])
+
+    @field_validator("radius")
+    @classmethod
+    def _in_range(cls, radius: float | tuple[float, float]) -> float | tuple[float, float]:
+        low, high = float(np.min(radius)), float(np.max(radius))
+        if not MIN_RADIUS_MM <= low <= high <= MAX_RADIUS_MM:
+            raise DesignError("", f"must be from {MIN_RADIUS_MM:g} to {MAX_RADIUS_MM:g}", radius)
+        if high > MAX_ASPECT * low:
+            raise DesignError("", f"must be half axes of which one is at most {MAX_ASPECT:g} times the other", radius)
+        return radius
 
 
 class Hole(Section):
@@ -153,7 +199,7 @@ def _check_bulges(edge: Border | Hole) -> None:
         raise DesignError(f"bulge_mm[{k}]", allowed, edge.bulge_mm[k], place_mm=corners[k])
 
 
-def _check_points(points: Floats, field: str, value: object = None) -> None:
+def _check_points(points: Floats, field: str, value: object) -> None:
     """Refuse points (n, 2) mm that are far away, on one line, or repeated."""
     if np.abs(points).max() > MAX_SHEET_MM:
         raise DesignError(field, f"must be within {MAX_SHEET_MM:g} mm of the origin", value)
@@ -166,13 +212,13 @@ def _check_points(points: Floats, field: str, value: object = None) -> None:
         raise DesignError(field, "must not repeat a corner (nor the first at the end)", repeated, place_mm=repeated)
 
 
-def check_ring(corners: Floats, field: str, value: object = None) -> None:
+def check_ring(corners: Floats, field: str, value: object) -> None:
     """Refuse outlines (B, 2) mm that do not bound one piece of fabric.
 
     Raises
     ------
     DesignError
-        The message names the field, and the value if it is given.
+        The message names the field and the value.
     """
 
     def error(allowed: str, place_mm: Iterable[float] | None = None) -> DesignError:

@@ -10,10 +10,9 @@ from typing import Any, Literal, Self, get_args
 import numpy as np
 from pydantic import Field, ValidationError, ValidationInfo, field_validator, model_validator
 
-from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.border import Border
 from asterism.pattern.design.drawings import with_drawings
-from asterism.pattern.design.errors import NEEDS_STARS_ALONE, DesignError, from_validation
+from asterism.pattern.design.errors import NEEDS_STARS_ALONE, DesignError, check_type, from_validation
 from asterism.pattern.design.files import write_table
 from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.design.material_files import MaterialChoice, with_material_file

@@ -56,7 +56,7 @@ class DesignError(Error, ValueError):
 
 
 class BlankSheetError(DesignError):
-    """A sheet without a single arm to print; `asterism.shape.blank_sheet` has its shape."""
+    """A sheet without a single arm to print; `asterism.shape.shape.blank_sheet` has its shape."""
 
 
 def from_validation(error: ValidationError, file: str | Path | None = None, table: str = "") -> DesignError:
@@ -125,3 +125,9 @@ def _short(value: Any) -> str:
 
 class MeshError(Error, ValueError):
     """The layout cannot be meshed as asked; the message is one line."""
+
+
+def check_type(given: Any, kind: type, hint: str) -> None:
+    """Raise `TypeError` unless `given` is of the type `kind`; `hint` names where one comes from."""
+    if not isinstance(given, kind):
+        raise TypeError(f"a {kind.__name__} is needed, not {type(given).__name__}: {hint}")

@@ -185,3 +185,15 @@ def own_folders() -> list[Path]:
 def user_folder() -> Path:
     """The folder of the user's settings for asterism, where the operating system keeps such folders."""
     return platformdirs.user_config_path("asterism", appauthor=False, roaming=True)
+
+
+def file_identity(path: str | Path) -> tuple[int, ...]:
+    """Numbers that change when a file is replaced or written again: device, inode, bytes, and times in ns.
+
+    Raises
+    ------
+    OSError
+        There is no such file.
+    """
+    now = Path(path).stat()
+    return now.st_dev, now.st_ino, now.st_size, now.st_mtime_ns, now.st_ctime_ns

@@ -4,63 +4,14 @@ from __future__ import annotations
 
 from typing import Literal, Self
 
-import numpy as np
-from pydantic import Field, field_validator, model_validator
+from pydantic import Field, model_validator
 
-from asterism.equilibrium.arrays import Floats
+from asterism.pattern.design.border import MAX_RADIUS_MM, MIN_RADIUS_MM, DrawnCircle
 from asterism.pattern.design.errors import DesignError, one_line
 from asterism.pattern.design.materials import CurvaturePerMm
 from asterism.pattern.design.rounding import Rounding
-from asterism.pattern.design.section import Flag, Line, Number, NumberOrPair, Point, Section, Text
+from asterism.pattern.design.section import FACES, Flag, Line, Number, Point, Section, Side, Text
 from asterism.pattern.design.sizing.profiles import SizingField
-from asterism.pattern.design.stars import FACES, Side
-
-MIN_RADIUS_MM = 0.5
-MAX_RADIUS_MM = 1e4
-MAX_ASPECT = 20.0  # of an ellipse
-
-
-class DrawnCircle(Section):
-    """A circle by its centre and radius, or an ellipse by its half axes along x and y in place of the radius.
-
-    Examples
-    --------
-    >>> ellipse = DrawnCircle(radius=(40.0, 25.0), turn_deg=90.0)
-    >>> ellipse.half_axes, ellipse.at(np.zeros(1)).round(9).tolist()
-    ((40.0, 25.0), [[0.0, 40.0]])
-    """
-
-    centre: Point = (0.0, 0.0)
-    radius: NumberOrPair
-    turn_deg: Number = Field(0.0, ge=-360, le=360)  # by which the half axes are turned, counterclockwise
-
-    @property
-    def half_axes(self) -> tuple[float, float]:
-        """mm, along x and y before it is turned."""
-        x, y = np.broadcast_to(self.radius, 2)
-        return float(x), float(y)
-
-    def at(self, angle: Floats) -> Floats:
-        """(n, 2) mm, points by the angle of a circle (n,) rad whose two axes are stretched to the half axes."""
-        turn, (a, b) = np.radians(self.turn_deg), self.half_axes
-        x, y, c, s = a * np.cos(angle), b * np.sin(angle), np.cos(turn), np.sin(turn)
-        return np.asarray(self.centre) + np.column_stack([c * x - s * y, s * x + c * y])
-
-    @property
-    def box(self) -> Floats:
-        """(2, 2) mm, lower left and upper right corner of the box around it."""
-        half = np.hypot(*(self.at(np.array([0.0, np.pi / 2])) - self.centre))
-        return np.array([self.centre - half, self.centre + half])
-
-    @field_validator("radius")
-    @classmethod
-    def _in_range(cls, radius: float | tuple[float, float]) -> float | tuple[float, float]:
-        low, high = float(np.min(radius)), float(np.max(radius))
-        if not MIN_RADIUS_MM <= low <= high <= MAX_RADIUS_MM:
-            raise DesignError("", f"must be from {MIN_RADIUS_MM:g} to {MAX_RADIUS_MM:g}", radius)
-        if high > MAX_ASPECT * low:
-            raise DesignError("", f"must be half axes of which one is at most {MAX_ASPECT:g} times the other", radius)
-        return radius
 
 
 class DrawnArc(Section):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import (
@@ -59,6 +59,10 @@ Text = Annotated[str, Strict()]
 Line = Annotated[Text, AfterValidator(_printable)]
 Point = tuple[Number, Number]
 Place = tuple[Number, Number, Number]
+# face of the fabric on which the plastic is printed
+Side = Literal["above", "below"]
+# the sign of each in layouts; above by default
+FACES: dict[Side | None, int] = {None: 1, "above": 1, "below": -1}
 
 
 def _density(value: float) -> float:

@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.rounding import Rounding
-from asterism.pattern.design.section import Flag, Number, Point, Section, Whole
+from asterism.pattern.design.section import Flag, Number, Point, Section, Side, Whole
 from asterism.pattern.design.sizing.profiles import SizingField
 
 THICKNESS_RANGE_MM = (0.05, 5.0)
@@ -17,12 +17,6 @@ WIDTH_RANGE_MM = (0.1, 10.0)
 MIN_ARM_MM = 1.0
 MAX_SITE_NUMBER = 100_000
 Branch = Literal["up", "down", "free"]
-# face of the fabric on which the plastic is printed
-Side = Literal["above", "below"]
-# the sign of each in layouts; above by default
-FACES: dict[Side | None, int] = {None: 1, "above": 1, "below": -1}
-
-
 SiteNumber = Annotated[Whole, Field(ge=-MAX_SITE_NUMBER, le=MAX_SITE_NUMBER)]
 Site = tuple[SiteNumber, SiteNumber]
 

@@ -11,10 +11,9 @@ import numpy as np
 import shapely
 
 from asterism.equilibrium.arrays import Floats, Ints
-from asterism.pattern.design.arguments import check_type
 from asterism.pattern.design.border import OUTLINES, Border, Hole
 from asterism.pattern.design.design import Design
-from asterism.pattern.design.errors import BlankSheetError, DesignError
+from asterism.pattern.design.errors import BlankSheetError, DesignError, check_type
 from asterism.pattern.design.files import read_table
 from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.design.pins import Pins

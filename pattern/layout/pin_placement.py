@@ -27,7 +27,7 @@ PIN_TOLERANCE_MM = 0.25
 _NO_POINTS: Floats = np.empty((0, 2))
 
 
-def pin_set(pins: Pins, corners: Floats, name: str, holes: Sequence[Floats] = (), starts: Ints | None = None) -> PinSet:
+def pin_set(pins: Pins, corners: Floats, name: str, holes: Sequence[Floats], starts: Ints) -> PinSet:
     """The pins of one entry of `[[pins]]`.
 
     Parameters
@@ -35,7 +35,7 @@ def pin_set(pins: Pins, corners: Floats, name: str, holes: Sequence[Floats] = ()
     corners : (B, 2) mm, the outline.
     name : of the entry in messages, e.g. `pins[0]`.
     holes : (n, 2) mm each, their edges.
-    starts : (k,) numbers of the corners that the design counts; the others are points of curves. By default all.
+    starts : (k,) numbers of the corners that the design counts; the others are points of curves.
 
     Raises
     ------
@@ -43,7 +43,6 @@ def pin_set(pins: Pins, corners: Floats, name: str, holes: Sequence[Floats] = ()
         An edge, a corner or a hole does not exist, a point is off the sheet, points and targets differ in number, or
         edges with targets do not follow each other.
     """
-    starts = np.arange(len(corners)) if starts is None else starts
     points, edges = _selected(pins, corners, name, holes, starts)
     target = curve = None
     if pins.target_mm is not None:

@@ -9,12 +9,12 @@ import numpy as np
 import shapely
 
 from asterism.equilibrium.arrays import Floats, Ints
-from asterism.pattern.design.border import MAX_SHEET_MM, Border, check_ring
+from asterism.pattern.design.border import MAX_SHEET_MM, Border, DrawnCircle, check_ring
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.lattice import Lattice
-from asterism.pattern.design.rods import DrawnCircle
+from asterism.pattern.design.section import FACES
 from asterism.pattern.design.sizing.profiles import sample
-from asterism.pattern.design.stars import FACES, MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM, Override, Site, Stars
+from asterism.pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM, Override, Site, Stars
 from asterism.pattern.geometry.planar import polygon_area
 
 _SIGN = {"up": 1, "down": -1, "free": 0}
@@ -28,7 +28,7 @@ def star_margin_mm(border: Border, lattice: Lattice) -> float:
     return lattice.spacing_mm / 2 if border.star_margin_mm is None else border.star_margin_mm
 
 
-def star_cells(border: Border, lattice: Lattice, corners: Floats, holes: Sequence[Floats] = ()) -> Ints:
+def star_cells(border: Border, lattice: Lattice, corners: Floats, holes: Sequence[Floats]) -> Ints:
     """(n, 2) lattice cells with a star, from the origin outwards, counterclockwise at equal distance.
 
     Raises

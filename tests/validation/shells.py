@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator, Sequence
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
-from asterism.equilibrium.newton.find_minimum import is_definite_on_support
+from asterism.equilibrium.newton.minimise import is_definite_on_support
 from asterism.fem.elements.argyris import Argyris
 from asterism.fem.elements.deformation import Deformation
 from asterism.fem.search.mixed_newton import mixed_newton

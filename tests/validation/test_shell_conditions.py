@@ -4,14 +4,13 @@ import numpy as np
 import pytest
 from scipy.special import ellipe, ellipk
 
-from asterism.fem.elements.argyris import Argyris
+from asterism.fem.elements.argyris import Argyris, area_load
 from asterism.fem.elements.deformation import affine, flat
 from asterism.fem.search.relax import follow, relax
 from asterism.fem.shell.density import Density, isotropic
 from asterism.fem.shell.fields import Fields, of_stretch
 from asterism.fem.shell.shell import Shell
 from asterism.fem.supports.conditions import EdgeSupport, PointSupport, vertices_at
-from asterism.fem.supports.loads import area_load
 from tests.fem.meshes import facets_where, rectangle, turned
 from tests.validation.shells import at, guess, material, stepped
 

@@ -26,8 +26,7 @@ from asterism.measure.strips.strip_fit import (
     fit_directions,
 )
 from asterism.measure.strips.strip_table import Reading, read_strips
-from asterism.pattern.design.arguments import check_type
-from asterism.pattern.design.errors import one_line
+from asterism.pattern.design.errors import check_type, one_line
 from asterism.pattern.design.materials import (
     Fabric,
     Plastic,

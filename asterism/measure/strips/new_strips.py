@@ -14,8 +14,7 @@ from asterism.equilibrium.arrays import Floats, Ints
 from asterism.measure.strips import arc
 from asterism.measure.strips.settings import StripPrintSettings
 from asterism.measure.strips.strip_table import BOX_COLUMNS, DIRECTION_COLUMN, KNOWN_COLUMNS, Direction
-from asterism.pattern.design.arguments import check_type
-from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.errors import DesignError, check_type
 from asterism.pattern.design.materials import Fabric, Plastic, rest_curvature
 from asterism.pattern.design.rounding import Rounding
 from asterism.pattern.design.stars import THICKNESS_RANGE_MM

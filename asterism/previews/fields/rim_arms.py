@@ -1,9 +1,9 @@
 """Curl of a free rim along the arms that point into it.
 
-The fabric between two stars lies under the arm of only one of them (`fields/rosette.py`). Likewise, a rim below arms
-that point outwards curls along these arms. This term bends three corners of a sheet of three-armed stars down, or
-determines the axis about which it rolls. In a free sheet, the additional rest curvature of bare fabric is the deviator
-of a strain rosette of the stars half a spacing back along each arm.
+The fabric between two stars lies under the arm of only one of them (`sheet_fields.rosette_metric`). Likewise, a rim
+below arms that point outwards curls along these arms. This term bends three corners of a sheet of three-armed stars
+down, or determines the axis about which it rolls. In a free sheet, the additional rest curvature of bare fabric is the
+deviator of a strain rosette of the stars half a spacing back along each arm.
 
 **Wide rims.** The tension of the fabric along an arm and beyond its tip bends the arm. An arm that ends at the border
 stays nearly straight; an arm with a wide rim ahead bends as much as one among other stars. If the cell of a star ends
@@ -42,9 +42,8 @@ from asterism.pattern.geometry.planar import (
     nearest_segment,
 )
 from asterism.pattern.layout.layout import Layout
-from asterism.previews.fields.rosette import rosette
 from asterism.previews.fields.star_cells import CELL_RADIUS, MIN_STAR_SHARE, beside, stars_share
-from asterism.previews.fields.star_values import StarPlaces
+from asterism.previews.fields.star_values import StarPlaces, rosette
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 
 # border distances in spacings at which an arm carries nothing, without room ahead, and all, with room for a whole cell

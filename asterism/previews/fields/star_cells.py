@@ -142,7 +142,7 @@ class Shares:
         return both, np.repeat(np.arange(both.shape[0]), np.diff(both.indptr))
 
 
-def long_arms(length: Floats, spacing: float, model: PreviewModel = PREVIEW_MODEL) -> Floats:
+def long_arms(length: Floats, spacing: float, model: PreviewModel) -> Floats:
     """(n,) interpolation between the smallest width (0) and the largest (1), for lengths (n,) and a spacing in mm."""
     shortest = MIN_WIDTH / model.smoothing_per_arm
     return np.clip((length / spacing - shortest) / max(HALF_WAY - shortest, 1e-9), 0.0, 1.0)

@@ -248,3 +248,18 @@ class StarPlaces:
 
     def _mean(self, of: Floats, weights: sp.csr_matrix) -> Floats:
         return np.asarray(of[-1] + weights @ (of[:-1] - of[-1])).reshape(*self.shape, *of.shape[1:])
+
+
+def rosette(along: Floats, directions: Floats) -> Floats:
+    """(..., 3) components 11, 22, 12 of `4/N sum_k (s_k - m) (d_k d_k - I/2)`, the deviator of a strain rosette.
+
+    For four directions, which are opposite in pairs, it is half of that.
+
+    Parameters
+    ----------
+    along : (..., N) values s_k along the directions; m is their mean.
+    directions : (N, 2) unit vectors d_k.
+    """
+    x, y = directions.T
+    rest = (2.0 if len(directions) == 4 else 4.0) / len(directions) * (along - along.mean(axis=-1, keepdims=True))
+    return np.stack([rest @ (x * x - 0.5), rest @ (y * y - 0.5), rest @ (x * y)], axis=-1)

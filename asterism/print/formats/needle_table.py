@@ -8,6 +8,7 @@ from pathlib import Path
 
 from asterism.print.formats.registry import export_format
 from asterism.print.needles import Needle
+from asterism.results.words import fixed_point
 
 NEEDLE_COLUMNS = ("number", "printed_x_mm", "printed_y_mm", "x_mm", "y_mm", "z_mm", "slides", "step")
 
@@ -26,9 +27,3 @@ def write_needle_table(path: Path, needles: tuple[Needle, ...]) -> None:
 
 def _known(value: float) -> str:
     return "" if math.isnan(value) else fixed_point(value, 3)
-
-
-def fixed_point(value: float, digits: int) -> str:
-    """A number with so many digits after the point, without a minus before zeros."""
-    text = f"{value:.{digits}f}"
-    return text.removeprefix("-") if not text.strip("-0.") else text

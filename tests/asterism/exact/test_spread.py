@@ -11,7 +11,7 @@ import pytest
 
 import asterism
 from asterism.discrete.release.continuation import solve_on_mesh
-from asterism.discrete.release.ladder import model_on
+from asterism.discrete.release.levels import model_on
 from asterism.discrete.release.prolongation import fit_to_surface
 from asterism.exact.spread import (
     MAX_SOLVES,

@@ -94,8 +94,7 @@ def test_the_exact_model_corrects_the_fit(target: TargetSurface) -> None:
 
 
 def test_derivatives_of_the_residuals_are_the_limit_of_edits(target: TargetSurface) -> None:
-    from asterism.fitting.search import moves_at
-    from asterism.fitting.star_unknowns import StarUnknowns
+    from asterism.fitting.search import StarUnknowns, moves_at
     from asterism.previews.star_sensitivity import star_sensitivity
 
     guess = guess_design(target, paper_law(), PREVIEW)

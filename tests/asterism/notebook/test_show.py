@@ -11,8 +11,7 @@ import numpy as np
 import pytest
 
 import asterism
-from asterism.notebook import live_sheet
-from asterism.notebook.live_sheet import LiveSheet, shape_traits
+from asterism.notebook.show import LiveSheet, SliderBoard, shape_traits
 from asterism.notebook.widget import ENTRY, MARK, PACKAGE, module_text, widget_module
 from asterism.pattern.design.design import Design
 from asterism.studio import frames
@@ -142,9 +141,7 @@ def test_a_request_without_a_shape_is_told_and_the_next_one_works(
     (answer,) = live.answer({"seq": 1, "values": {"colour": 1.0}})
     assert answer["panel"]["problem"] == "ValueError: 'colour' is no slider of this sheet"
     assert answer["panel"]["answered"] == 1 and preview.design == before
-    monkeypatch.setattr(
-        live_sheet.SliderBoard, "design_at", lambda self, values: small("tube").from_dict({"stars": {}})
-    )
+    monkeypatch.setattr(SliderBoard, "design_at", lambda self, values: small("tube").from_dict({"stars": {}}))
     (answer,) = live.answer({"seq": 2, "values": {}})
     assert answer["panel"]["problem"].startswith("stars") and preview.design == before
     monkeypatch.undo()

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import asterism
-from asterism.notebook.live_sheet import SliderBoard
+from asterism.notebook.show import SliderBoard
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 

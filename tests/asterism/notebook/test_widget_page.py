@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 import asterism
-from asterism.notebook.live_sheet import LiveSheet, Traits, shape_traits
+from asterism.notebook.show import LiveSheet, Traits, shape_traits
 from asterism.notebook.widget import widget_module
 from asterism.pattern.design.design import Design
 

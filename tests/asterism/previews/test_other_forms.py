@@ -7,12 +7,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from asterism.fem.search.evidence import Trial
+from asterism.fem.search.relax import Trial
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.supports import SupportSamples
 from asterism.pattern.layout.symmetries import Symmetry
-from asterism.previews.other_forms import other_forms
 from asterism.previews.session import Preview
+from asterism.previews.solve import other_forms
 from tests.asterism.previews.laws import plain_law
 from tests.distances import rms_distance
 

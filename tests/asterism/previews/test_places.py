@@ -1,14 +1,18 @@
-"""Places beside a point of a smooth surface."""
+"""Places beside a point of a smooth surface, and printed points that are followed over edits."""
 
 from __future__ import annotations
 
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from asterism.fem.elements.argyris import Argyris
+from asterism.pattern import gallery
 from asterism.previews.places import Places
+from asterism.previews.session import Preview
+from tests.asterism.previews.designs import edited
 from tests.fem.hexagons import hexagon
 
 
@@ -40,3 +44,35 @@ def test_the_curvature_of_a_roll_does_not_depend_on_how_it_was_sheared() -> None
     assert surface.area[0] == pytest.approx(1.0)
     assert surface.mean_curvature[0] == pytest.approx(-0.5 * k)
     assert surface.gaussian_curvature[0] == pytest.approx(0.0, abs=1e-12)
+
+
+EDITS: list[dict[str, Any]] = [
+    {"stars": {"thickness_mm": 0.33}},
+    {"stars": {"length_mm": 7.5}},
+    {"stars": {"override": [{"site": [0, 0], "length_mm": 4.0}]}},
+    {"stars": {"override": [{"site": [1, 0], "remove": True}]}},
+    {"pins": [{"where": "border", "scale": 0.8}]},
+    {"stars": {"length_mm": 7.5}, "pins": [{"where": "border", "scale": 0.72, "offset_mm": [0.0, 0.0, 2.0]}]},
+]
+
+
+@pytest.mark.slow
+def test_places_are_those_of_a_new_look() -> None:
+    preview = Preview(gallery.load("dome"))
+    points = preview.shape().printed[::7]
+    lens = preview.lens(points)
+    for change in EDITS:
+        for stage in preview.edit(edited("dome", **change)):
+            places, fresh = lens(stage.x), preview.at(points, stage.x)
+            assert np.array_equal(places.bumpy, fresh.bumpy) and np.array_equal(places.smooth, fresh.smooth)
+            assert np.array_equal(places.normals, fresh.normals)
+            assert np.array_equal(places.mean_curvature, fresh.mean_curvature)
+        assert np.array_equal(lens().bumpy, preview.at(points).bumpy)
+
+
+def test_points_off_a_smaller_outline_are_refused() -> None:
+    preview = Preview(gallery.load("dome"))
+    lens = preview.lens([[0.0, 50.0]])
+    preview.update(edited("dome", border={"rings": 1}))
+    with pytest.raises(ValueError, match="outside the sheet"):
+        lens()

@@ -13,8 +13,7 @@ from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State, moved_state
 from asterism.discrete.model.system import System
 from asterism.discrete.release.continuation import solve_on_mesh
-from asterism.discrete.release.ladder import Ladder
-from asterism.discrete.release.levels import SharedSearch, solve_on_meshes
+from asterism.discrete.release.levels import Ladder, SharedSearch, solve_on_meshes
 from asterism.equilibrium.arrays import Array
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError

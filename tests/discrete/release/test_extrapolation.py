@@ -7,8 +7,7 @@ import pytest
 
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State, rotate_vectors
-from asterism.discrete.release.ladder import Ladder
-from asterism.discrete.release.levels import SharedSearch, solve_on_meshes
+from asterism.discrete.release.levels import Ladder, SharedSearch, solve_on_meshes
 from asterism.discrete.release.prolongation import extrapolate, interpolate_surface, plastic_normals
 from asterism.equilibrium.arrays import Array
 from asterism.pattern import gallery
@@ -64,7 +63,7 @@ def test_a_fine_mesh_starts_closer_to_its_minimum(monkeypatch: pytest.MonkeyPatc
         return starts[-1][2]
 
     monkeypatch.setattr("asterism.discrete.release.levels.extrapolate", noted)
-    monkeypatch.setattr("asterism.discrete.release.ladder.COARSE_VERTICES", 250)
+    monkeypatch.setattr("asterism.discrete.release.levels.COARSE_VERTICES", 250)
     fine = model(17.3205 / 16)
     search = SharedSearch(Ladder(fine.design, fine.layout))
     found, levels = solve_on_meshes(search)

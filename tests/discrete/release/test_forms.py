@@ -15,7 +15,7 @@ from asterism.discrete.model.state import State
 from asterism.discrete.release.continuation import solve_on_mesh
 from asterism.discrete.release.equilibrium import roll_axis_deg
 from asterism.discrete.release.forms import ExactForm, distinct_forms, find_minima
-from asterism.discrete.release.ladder import Ladder
+from asterism.discrete.release.levels import Ladder
 from asterism.discrete.release.release_start import ReleaseStart, release_starts
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design

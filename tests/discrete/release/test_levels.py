@@ -10,8 +10,7 @@ import pytest
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State
 from asterism.discrete.release.continuation import solve_on_mesh
-from asterism.discrete.release.ladder import Ladder
-from asterism.discrete.release.levels import SharedSearch, is_same_state, solve_on_meshes
+from asterism.discrete.release.levels import Ladder, SharedSearch, is_same_state, solve_on_meshes
 from asterism.discrete.release.prolongation import prolong
 from asterism.pattern import gallery
 from asterism.pattern.geometry.rigid_fit import rigid_fit
@@ -32,7 +31,7 @@ FINE_MM = 1.6
 @pytest.fixture(autouse=True)
 def small_meshes(monkeypatch: pytest.MonkeyPatch) -> None:
     """So that a search on FINE_MM has a coarser mesh before."""
-    monkeypatch.setattr("asterism.discrete.release.ladder.COARSE_VERTICES", 500)
+    monkeypatch.setattr("asterism.discrete.release.levels.COARSE_VERTICES", 500)
 
 
 def search(edge: float, **changes: object) -> SharedSearch:

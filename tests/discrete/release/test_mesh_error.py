@@ -9,7 +9,7 @@ import pytest
 
 from asterism.discrete.model.state import State
 from asterism.discrete.release.equilibrium import Equilibrium
-from asterism.discrete.release.ladder import EDGE_RATIO, Ladder, model_on
+from asterism.discrete.release.levels import EDGE_RATIO, Ladder, model_on
 from asterism.discrete.release.mesh_error import ORDER, change_percent, mesh_error
 from asterism.exact.simulation import exact_shape
 from asterism.pattern import gallery
@@ -108,7 +108,7 @@ def test_the_search_ends_within_its_tolerance_and_the_error_is_as_stated() -> No
 
 @pytest.mark.slow
 def test_a_search_that_ends_at_its_largest_mesh_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("asterism.discrete.release.ladder.MAX_VERTICES", 400)
+    monkeypatch.setattr("asterism.discrete.release.levels.MAX_VERTICES", 400)
     s = exact_shape(plate_sheet(tolerance_percent=0.1)).summary
     assert s["is_minimum"] and s["mesh_error_percent"] > 0.1
     assert [line.split(":")[-1] for line in s["warnings"] if "above the tolerance of 0.1 %" in line] == [

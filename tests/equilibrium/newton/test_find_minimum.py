@@ -10,8 +10,7 @@ import pytest
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.linear.backends import make_factor
 from asterism.equilibrium.newton.certificate import leave_saddle
-from asterism.equilibrium.newton.find_minimum import find_minimum, is_definite_on_support
-from asterism.equilibrium.newton.minimise import Minimum
+from asterism.equilibrium.newton.minimise import Minimum, find_minimum, is_definite_on_support
 from tests.equilibrium.newton.test_minimise import Analytic
 
 TOLERANCE = 1e-10

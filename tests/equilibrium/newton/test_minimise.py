@@ -13,8 +13,7 @@ from asterism.equilibrium.linear.backends import make_factor
 from asterism.equilibrium.linear.factor import Factor
 from asterism.equilibrium.linear.multigrid import MultigridFactor
 from asterism.equilibrium.linear.sparse_pattern import SparsePattern
-from asterism.equilibrium.newton.minimise import Iteration, Minimum, minimise
-from asterism.equilibrium.newton.regularisation import MAX_FORCING_TERM
+from asterism.equilibrium.newton.minimise import MAX_FORCING_TERM, Iteration, Minimum, minimise
 
 
 @dataclass

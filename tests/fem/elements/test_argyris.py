@@ -7,8 +7,7 @@ import pytest
 from skfem import MeshTri
 
 from asterism.equilibrium.arrays import Floats
-from asterism.fem.elements.argyris import Argyris
-from asterism.fem.elements.monomials import POWERS, monomials
+from asterism.fem.elements.argyris import POWERS, Argyris, monomials
 
 ORDERS = np.array([0, 1, 1, 2, 2, 2])
 FAR = np.array([1.0e4, -2.0e4])  # mm

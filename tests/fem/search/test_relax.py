@@ -6,13 +6,12 @@ import numpy as np
 import pytest
 
 from asterism.equilibrium.linear.factor import Factor
-from asterism.equilibrium.newton.find_minimum import find_minimum
+from asterism.equilibrium.newton.minimise import find_minimum
 from asterism.fem.elements.argyris import Argyris
 from asterism.fem.elements.deformation import affine
 from asterism.fem.search import relax as search
-from asterism.fem.search.evidence import ShellEquilibrium
 from asterism.fem.search.mixed_newton import mixed_newton
-from asterism.fem.search.relax import follow, follow_load_steps, is_collapsing, relax
+from asterism.fem.search.relax import ShellEquilibrium, follow, follow_load_steps, is_collapsing, relax
 from asterism.fem.search.simple_shapes import SimpleShape
 from asterism.fem.shell.fields import FieldError, Fields, of_stretch
 from asterism.fem.shell.shell import Shell
@@ -73,7 +72,7 @@ def test_a_straight_compressed_strip_is_a_saddle_and_is_left(monkeypatch: pytest
     flat = mixed_newton(shell, shell.flat, factor, 1e-11 * shell.force_scale)
     assert flat.converged and height(shell, flat.state) < 1e-9
     with monkeypatch.context() as patch:
-        patch.setattr("asterism.equilibrium.newton.find_minimum.MAX_SADDLES", 0)
+        patch.setattr("asterism.equilibrium.newton.minimise.MAX_SADDLES", 0)
         left_alone = find_minimum(
             shell, flat.state, factor, 1e-11 * shell.force_scale, lambda x: mixed_newton(shell, x, factor, 1.0), 0.1
         )

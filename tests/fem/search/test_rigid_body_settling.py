@@ -6,12 +6,11 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from asterism.fem.elements.argyris import Argyris
-from asterism.fem.search.guess_builder import settle_rigid_body
+from asterism.fem.elements.argyris import Argyris, area_load
+from asterism.fem.search.initial_guesses import settle_rigid_body
 from asterism.fem.search.relax import relax
 from asterism.fem.shell.shell import Shell
 from asterism.fem.supports.conditions import Condition, EdgeSupport, PointSupport, vertices_at
-from asterism.fem.supports.loads import area_load
 from tests.fem.hexagons import FIELDS
 from tests.fem.loads import point_load
 from tests.fem.maps import arc

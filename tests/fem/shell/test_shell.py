@@ -10,13 +10,12 @@ import scipy.sparse as sp
 
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.errors import BackendError
-from asterism.fem.elements.argyris import Argyris
+from asterism.fem.elements.argyris import Argyris, area_load
 from asterism.fem.shell.density import Density, isotropic
 from asterism.fem.shell.fields import FieldError, Fields, of_stretch
 from asterism.fem.shell.hyperelastic import MIN_C, MIN_DET_C, hyperelastic
 from asterism.fem.shell.shell import Shell
 from asterism.fem.supports.conditions import EdgeSupport, PointSupport, vertices_at
-from asterism.fem.supports.loads import area_load
 from tests.fem.hexagons import FIELDS, hexagon
 from tests.fem.maps import arc
 from tests.fem.meshes import facets_where, rectangle

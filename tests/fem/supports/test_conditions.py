@@ -9,19 +9,18 @@ from scipy.sparse.linalg import spsolve
 from skfem import MeshTri
 
 from asterism.equilibrium.arrays import Floats
-from asterism.fem.elements.argyris import Argyris
+from asterism.fem.elements.argyris import Argyris, area_load
 from asterism.fem.elements.deformation import Deformation, affine, flat
 from asterism.fem.supports.conditions import (
     Condition,
     ConditionError,
     EdgeSupport,
     PointSupport,
+    edge_curve,
     impose_conditions,
     vertices_at,
 )
-from asterism.fem.supports.edge_curve import edge_curve
 from asterism.fem.supports.elimination import Contradiction, eliminate
-from asterism.fem.supports.loads import area_load
 from tests.fem.meshes import annulus, facets_where, rectangle, turned
 
 NU = 0.3

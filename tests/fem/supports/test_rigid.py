@@ -6,15 +6,14 @@ import numpy as np
 import pytest
 
 from asterism.equilibrium.arrays import Floats
-from asterism.equilibrium.newton.find_minimum import find_minimum
-from asterism.fem.elements.argyris import Argyris
+from asterism.equilibrium.newton.minimise import find_minimum
+from asterism.fem.elements.argyris import Argyris, area_load
 from asterism.fem.search.mixed_newton import mixed_newton
 from asterism.fem.search.relax import follow
 from asterism.fem.shell.density import Density, isotropic
 from asterism.fem.shell.fields import Fields
 from asterism.fem.shell.shell import Shell
 from asterism.fem.supports.conditions import PointSupport, vertices_at
-from asterism.fem.supports.loads import area_load
 from asterism.fem.supports.rigid import span_a_plane
 from tests.fem.meshes import rectangle
 
@@ -49,7 +48,7 @@ def test_a_standing_strip_is_a_saddle(monkeypatch: pytest.MonkeyPatch) -> None:
     shell = pendulum()
     factor, tolerance = shell.factor(), 1e-11 * shell.force_scale
     start = upright(shell, -1.0)
-    monkeypatch.setattr("asterism.equilibrium.newton.find_minimum.MAX_SADDLES", 0)
+    monkeypatch.setattr("asterism.equilibrium.newton.minimise.MAX_SADDLES", 0)
     standing = find_minimum(shell, start, factor, tolerance, lambda x: mixed_newton(shell, x, factor, tolerance), 0.1)
     assert standing.converged and not standing.definite and not standing.is_minimum
     assert standing.lowest is not None and standing.lowest.value < 0.0

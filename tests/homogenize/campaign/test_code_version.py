@@ -15,7 +15,6 @@ from tests.test_rooms import package_of
 ASIDE = (
     # designs and their files: what they say is among the inputs that a sample is named by
     *(
-        "design.arguments",
         "design.design",
         "design.errors",
         "design.files",

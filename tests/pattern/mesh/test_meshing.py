@@ -1,14 +1,29 @@
-"""Which mesh a layout gets, and whose its vertices are."""
+"""Which mesh a layout gets, whose its vertices are, and the constrained Delaunay mesh."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import assume, given, settings
+from hypothesis import strategies as st
 
 from asterism.pattern.design.errors import MeshError
-from asterism.pattern.mesh.meshing import mesh_layout
-from tests.pattern.layouts import RECTANGLE, SIX, D, hexagon, layout, pin, rings
-from tests.pattern.mesh_rules import obey
+from asterism.pattern.geometry.planar import polygon_area
+from asterism.pattern.layout.layout import Layout
+from asterism.pattern.mesh.mesh import Mesh
+from asterism.pattern.mesh.meshing import delaunay_mesh, mesh_layout
+from tests.pattern.layouts import (
+    RECTANGLE,
+    SIX,
+    D,
+    hexagon,
+    layout,
+    pin,
+    rings,
+    stars_on,
+    unit,
+)
+from tests.pattern.mesh_rules import even_rods, obey, smallest_angle
 
 
 def test_aligned_wherever_possible():
@@ -70,3 +85,94 @@ def test_refused(sheet, edge, kinds):
         with pytest.raises(MeshError) as caught:
             mesh_layout(sheet, edge, kind)
         assert "\n" not in str(caught.value)
+
+
+def sound(sheet: Layout, edge: float, angle: float) -> Mesh:
+    mesh = delaunay_mesh(sheet, edge)
+    obey(sheet, mesh)
+    assert mesh.kind == "delaunay" and even_rods(mesh) and smallest_angle(mesh) > angle
+    return mesh
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("n", [0, 2])
+@pytest.mark.parametrize("length", [2.0, 5.5, 13.0])
+@pytest.mark.parametrize("edge", [3.0, 1.5])
+def test_hexagon_of_rings(n, length, edge):
+    assert min(len(rod) for rod in sound(rings(n, length), edge, 25).rods) >= 3
+
+
+@pytest.mark.parametrize("edge", [3.0, 2.0, 1.0])
+def test_edges_are_as_long_as_wished(edge):
+    """As many triangles as equilateral ones of that edge would fill the sheet, within a quarter."""
+    sheet = rings(2, 10.0)
+    mesh = delaunay_mesh(sheet, edge)
+    assert len(mesh.triangles) == pytest.approx(polygon_area(sheet.outline) / (np.sqrt(3) / 4 * edge**2), rel=0.25)
+
+
+@pytest.mark.parametrize("directions", [(0.0, 120.0, 240.0), (45.0 * np.arange(8)).tolist(), (10.0, 80.0)])
+def test_any_arms(directions):
+    sound(rings(1, 7.0, directions), 2.0, 24)
+
+
+def test_tips_that_meet_share_a_vertex():
+    for miss in (0.0, 2e-7):
+        sheet = rings(1, D / 2 - miss, SIX)
+        mesh = delaunay_mesh(sheet, 2.0)
+        obey(sheet, mesh)
+        assert len({int(rod[-1]) for rod in mesh.rods}) == 30
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("gap", [0.05, 0.2, 0.6])
+def test_small_gaps_are_refined(gap):
+    """Between a tip and the next star, and between two tips."""
+    for sheet in (rings(1, D - gap, [30.0]), rings(1, (D - gap) / 2, SIX)):
+        sheet = layout(hexagon(3), sheet.centres, sheet.arm_length[0], [30.0] if len(sheet.arm_star) == 7 else SIX)
+        # a gap of a fortieth of an edge cannot have both even arms and round triangles
+        sound(sheet, 2.0, 20 if gap >= 0.2 else 5)
+
+
+def test_seeds():
+    sheet = rings(2, 10.0)
+    one, again, two = (delaunay_mesh(sheet, 2.0, seed) for seed in (0, 0, 1))
+    assert np.array_equal(one.points, again.points)
+    assert np.array_equal(one.triangles, again.triangles)
+    obey(sheet, two)
+    shorter = min(len(one.points), len(two.points))
+    assert not np.allclose(one.points[:shorter], two.points[:shorter])
+
+
+def test_pins():
+    on_arm = -3.3 * unit(90.0)
+    corner = hexagon(1)[1]
+    beside = 0.3 * hexagon(1)[0] + 0.7 * hexagon(1)[1]
+    pins = (
+        pin([[3.3, 6.1], corner, on_arm, beside, [0, 0], corner]),
+        pin(edges=(0, 3)),
+        pin([[4.0, -1.0]], edges=(1,)),
+    )
+    sheet = rings(1, 10.0, pins=pins)
+    mesh = delaunay_mesh(sheet, 2.0)
+    obey(sheet, mesh)
+    assert mesh.pin_vertices[0][2] in np.concatenate(mesh.rods)
+    assert smallest_angle(mesh) > 20
+
+
+@pytest.mark.slow
+@settings(max_examples=12)
+@given(st.data())
+def test_any_polygon(data):
+    """Star-shaped outlines with stars of any length and direction: a sound mesh, or one line that says why not."""
+    radii = data.draw(st.lists(st.floats(20, 60), min_size=3, max_size=12))
+    border = np.array(radii)[:, None] * unit([360.0 * q / len(radii) for q in range(len(radii))])
+    length = data.draw(st.floats(0.5, 16))
+    directions = data.draw(st.sampled_from([(0.0, 120.0, 240.0), (-90.0, 30.0, 150.0), (5.0, 95.0, 185.0, 275.0)]))
+    sheet = stars_on(border, length, directions)
+    assume(len(sheet.centres))
+    try:
+        mesh = delaunay_mesh(sheet, data.draw(st.floats(1.0, 8.0)))
+    except MeshError:
+        return
+    obey(sheet, mesh)
+    assert even_rods(mesh)

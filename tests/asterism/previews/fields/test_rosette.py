@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from asterism.pattern.design.lattice import Lattice
-from asterism.previews.fields.rosette import arm_metric
+from asterism.previews.fields.sheet_fields import arm_metric
 
 THREE = Lattice().arm_directions
 
