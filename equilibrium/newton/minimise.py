@@ -110,9 +110,9 @@ def minimise(
     check_definite : factorise the exact Hessian at the last state, for `Minimum.definite`, unless it has settled.
     small_decrease : the iteration also ends after a full step that lowers the quadratic model of the energy by at most
         this, which soft modes cannot mislead as they do the gradient's norm.
-    saddle_decrease : the iteration also ends after `SADDLE_ITERATIONS` steps in which the exact Hessian was not positive
-        definite and the model lowered the energy by at most this. Regularised steps leave a saddle point slowly, while
-        a step along its negative mode leaves it at once.
+    saddle_decrease : the iteration also ends after `SADDLE_ITERATIONS` steps in which the exact Hessian was not
+        positive definite and the model lowered the energy by at most this. Regularised steps leave a saddle point
+        slowly, while a step along its negative mode leaves it at once.
 
     Raises
     ------
