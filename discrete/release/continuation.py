@@ -36,6 +36,8 @@ WEIGHT_TOLERANCE = 1e-3
 COARSE_DECREASE = 1e-7
 # 1: the same at the steps before the equilibrium
 PATH_DECREASE = 1e-4
+# 1: the same of steps beside a saddle
+SADDLE_DECREASE = 1e-6
 # 1: negative eigenvalue over modulus times thickness, beyond which a loosely converged state counts as unstable
 INSTABILITY_THRESHOLD = 1e-7
 # 1: first blend of the Hessian at a state from another mesh; the factorisation would refuse smaller ones
@@ -203,18 +205,25 @@ class _Continuation:
 
         On a coarse mesh, the factorisation of the last step is evidence enough.
         """
-        result = self._minimise(model, state, gradient_tolerance(model), factor, "equilibrium", "equilibrium", blend)
+        tolerance = gradient_tolerance(model)
+        result = self._minimise(model, state, tolerance, factor, "equilibrium", "equilibrium", blend)
         iterations, saddles = result.iterations, 0
         lowest, error = math.nan, math.nan
         while not (self.coarse and result.settled):
             pair = self._lowest_mode(model, result.state, factor, "certificate")
             lowest, error = pair.value, pair.error
+            is_saddle = lowest < -error and saddles < MAX_PERTURBATIONS
             # near a saddle on a fine mesh the gradient may stay above the tolerance
-            if not (result.converged or result.stagnated) or pair.value >= -pair.error or saddles == MAX_PERTURBATIONS:
+            if is_saddle and (result.converged or result.stagnated or result.near_saddle):
+                saddles += 1
+                perturbed = _leave_saddle_of_model(model, result.state, pair)
+                result = self._minimise(model, perturbed, tolerance, factor, "saddle", "leaving a saddle")
+            elif result.near_saddle:
+                result = self._minimise(
+                    model, result.state, tolerance, factor, "equilibrium", "equilibrium", seek_saddle=False
+                )
+            else:
                 break
-            saddles += 1
-            perturbed = _leave_saddle_of_model(model, result.state, pair)
-            result = self._minimise(model, perturbed, gradient_tolerance(model), factor, "saddle", "leaving a saddle")
             iterations += result.iterations
         place = (model.layout.pin_steps[-1], model.release, model.pin_progress, model.n_vertices)
         self.path.append(PathStep(*place, result.energy, iterations, saddles))
@@ -258,6 +267,7 @@ class _Continuation:
         stage: str,
         name: str,
         blend: float = 0.0,
+        seek_saddle: bool = True,
     ) -> Minimum:
         """Newton's method to a gradient norm of `tolerance` N, timed as `stage` and reported as `name`."""
         report, energies = self.report, model.energies(state)
@@ -266,6 +276,7 @@ class _Continuation:
         # without iterations, a minimisation returns its state, and the certificate says that it is no equilibrium
         left = max(MAX_RELEASE_ITERATIONS - self.iterations, 0)
         stage_report = (lambda iteration: report(name, iteration)) if report else None
+        elastic = sum(energies.values()) - energies.get("gravity", 0.0)
         with self.clock(stage):
             result = minimise(
                 model,
@@ -276,7 +287,8 @@ class _Continuation:
                 report=stage_report,
                 blend=blend,
                 check_definite=stage == "release",  # at the end the certificate decides
-                small_decrease=fraction * (sum(energies.values()) - energies.get("gravity", 0.0)),
+                small_decrease=fraction * elastic,
+                saddle_decrease=SADDLE_DECREASE * elastic if seek_saddle else 0.0,
             )
         self.iterations += result.iterations
         self.factorisations += result.factorisations

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.interpolate import CloughTocher2DInterpolator, LinearNDInterpolator, NearestNDInterpolator
-from scipy.spatial import ConvexHull
+from scipy.spatial import ConvexHull, cKDTree
 
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State, edge_tangents, orthonormal_to_tangents, rotate_vectors
@@ -14,6 +14,8 @@ from asterism.pattern.geometry.planar import distance_to_segment, triangle_areas
 from asterism.pattern.geometry.rigid_fit import rigid_fit
 
 MAX_MISSING_HULL_FRACTION = 1e-6  # 1: area of the convex hull outside a sheet that counts as convex, over the hull
+# of the printed distance to the nearest support: how far a vertex moves at most when arms get their length
+MAX_SUPPORT_SHARE = 0.25
 
 
 def prolong(coarse: DiscreteModel, state: State, fine: DiscreteModel) -> State:
@@ -30,7 +32,12 @@ def fit_to_surface(model: DiscreteModel, surface: Array) -> State:
     held = model.constraints.held
     smooth = np.where(held, model.constraints.positions_at(model.pin_progress), surface)
     length = model.parts["rod_stretch"].params[:, 1:]
-    positions = model.reconstruction.fit_edges(smooth, length * edge_tangents(smooth, model.edges))
+    move = model.reconstruction.fit_edges(smooth, length * edge_tangents(smooth, model.edges)) - smooth
+    if held.any():
+        # an arm that ends beside a support does not pass it
+        room = cKDTree(model.mesh.points[held.any(axis=1)]).query(model.mesh.points)[0]
+        move *= np.minimum(MAX_SUPPORT_SHARE * room / np.maximum(np.linalg.norm(move, axis=1), 1e-12), 1.0)[:, None]
+    positions = smooth + move
     return model.with_fitted_frames(State(positions, plastic_normals(model, positions)))
 
 

@@ -25,6 +25,7 @@ from asterism.equilibrium.newton.problem import AnyState, HasNearNullspace, Prob
 
 MAX_IDLE_ITERATIONS = 10  # in a row without progress; then rounding errors allow no further progress
 MIN_GRADIENT_PROGRESS = 0.9  # of the smallest gradient norm so far; a norm below counts as progress
+SADDLE_ITERATIONS = 4  # in a row with an indefinite Hessian and hardly a decrease; then a saddle is near
 ARMIJO_FRACTION = 1e-4  # sufficient decrease over the decrease that the slope predicts (Nocedal and Wright 2006)
 MIN_STEP = 1e-8
 MAX_REDUCTION = 0.1  # bounds of a new step over the last one
@@ -72,6 +73,8 @@ class Minimum:
     # the last step was a full one with the exact Hessian, which was positive definite there, and its model lowered the
     # energy by at most `small_decrease`.
     settled: bool = False
+    # ended by `saddle_decrease`: steps with an indefinite Hessian hardly lowered the energy.
+    near_saddle: bool = False
     blend: float = 0.0  # regularisation with which the minimisation of a similar problem may begin
 
     @property
@@ -96,6 +99,7 @@ def minimise(
     blend: float = 0.0,
     check_definite: bool = True,
     small_decrease: float = 0.0,
+    saddle_decrease: float = 0.0,
 ) -> Minimum:
     """Minimise the energy of a problem by Newton's method with a line search.
 
@@ -112,6 +116,9 @@ def minimise(
     check_definite : factorise the exact Hessian at the last state, for `Minimum.definite`, unless it has settled.
     small_decrease : the iteration also ends after a full step that lowers the quadratic model of the energy by at most
         this, which soft modes cannot mislead as they do the gradient's norm.
+    saddle_decrease : the iteration also ends after `SADDLE_ITERATIONS` steps in which the exact Hessian was not
+        positive definite and the model lowered the energy by at most this. Regularised steps leave a saddle point
+        slowly, while a step along its negative mode leaves it at once.
 
     Raises
     ------
@@ -128,6 +135,7 @@ def minimise(
     regularisation = Regularisation(problem, factor, shift, clock, blend)
     step = 0.0
     line_search_failed = settled = False
+    at_saddle = 0  # steps in a row
     lowest_energy, smallest_norm, last_progress = energy, norm, 0
     for number in range(max_iterations + 1):
         history.append(Iteration(number, energy, norm, regularisation.amount, step))
@@ -141,7 +149,7 @@ def minimise(
             lowest_energy, smallest_norm, last_progress = min(lowest_energy, energy), min(smallest_norm, norm), number
         stagnated = number >= last_progress + MAX_IDLE_ITERATIONS
         ended = norm <= tolerance or line_search_failed or number == max_iterations or not np.isfinite(norm)
-        if ended or stagnated or settled:
+        if ended or stagnated or settled or at_saddle == SADDLE_ITERATIONS:
             break
         direction = regularisation.direction(state, gradient)
         path, longest = problem.path(state, direction)
@@ -156,6 +164,7 @@ def minimise(
             gradient = problem.gradient(state)
         norm = float(np.linalg.norm(gradient))
         settled = regularisation.is_exact and step == 1.0 and -0.5 * slope <= small_decrease
+        at_saddle = at_saddle + 1 if regularisation.amount and -0.5 * slope <= saddle_decrease else 0
         regularisation.decrease()
     return Minimum(
         state=state,
@@ -169,6 +178,7 @@ def minimise(
         history=history,
         stagnated=tolerance < norm and stagnated,
         settled=settled,
+        near_saddle=at_saddle == SADDLE_ITERATIONS and not ended,
         blend=regularisation.proven or 0.0,
     )
 

@@ -11,7 +11,7 @@ from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State
 from asterism.discrete.release.continuation import solve_on_mesh
 from asterism.discrete.release.levels import Ladder, SharedSearch, is_same_state, solve_on_meshes
-from asterism.discrete.release.prolongation import prolong
+from asterism.discrete.release.prolongation import fit_to_surface, prolong
 from asterism.pattern import gallery
 from asterism.pattern.geometry.rigid_fit import rigid_fit
 from tests.discrete.models import model_of
@@ -66,6 +66,17 @@ def test_a_coarse_mesh_is_solved_as_accurately_as_the_next_mesh_needs() -> None:
     assert early.energy == pytest.approx(accurate.energy, rel=1e-9)
     rotation, shift = rigid_fit(early.state.positions, accurate.state.positions)
     np.testing.assert_allclose(early.state.rotated(rotation, shift).positions, accurate.state.positions, atol=1e-3)
+
+
+def test_an_arm_that_ends_beside_a_held_edge_does_not_pass_it() -> None:
+    """At full length the arms of a sheet that has contracted to 0.8 would end 1.5 mm beyond the edge."""
+    pins = [{"edges": [1, 3], "scale": 0.8}]
+    sheet = model(2.0, border={"rectangle_mm": [48.0, 40.0]}, stars={"length_mm": 10.0}, pins=pins)
+    sheet.set_release(1.0)
+    state = fit_to_surface(sheet, 0.8 * np.column_stack([sheet.mesh.points, np.zeros(sheet.n_vertices)]))
+    inside = np.abs(sheet.mesh.points[:, 0]) < 24.0 - 1e-9
+    assert (np.abs(sheet.mesh.points[inside, 0]) > 23.4).any()  # tips
+    assert np.abs(state.positions[inside, 0]).max() < 0.8 * 24.0
 
 
 def test_prolongation_keeps_the_length_of_the_arms_and_the_shape() -> None:

@@ -305,3 +305,19 @@ def test_a_step_without_the_exact_hessian_does_not_end_the_iteration() -> None:
     factor = make_factor(energy.pattern, "superlu")
     result = minimise(energy, np.array([1e-3]), factor, 1e-12, small_decrease=1e-3, check_definite=False)
     assert abs(result.state[0]) == pytest.approx(0.5**0.5, rel=1e-2)
+
+
+def test_the_iteration_ends_beside_a_saddle_that_steps_leave_slowly() -> None:
+    """Along y the energy falls by a hundredth as steeply as it rises along x, from a ridge to wells beside it."""
+    energy = Analytic(
+        lambda x: 50.0 * x[0] ** 2 - 0.5 * x[1] ** 2 + 0.25 * x[1] ** 4,
+        lambda x: np.array([100.0 * x[0], -x[1] + x[1] ** 3]),
+        lambda x: np.diag([100.0, -1.0 + 3.0 * x[1] ** 2]),
+        2,
+    )
+    ended = run(energy, [1.0, 1e-6], saddle_decrease=1e-5)
+    assert ended.near_saddle and not ended.definite and abs(ended.state[1]) < 0.1
+    # a small decrease alone is no saddle, and neither is a ridge down which the steps are long
+    assert not run(energy, [1e-6, 1.0], saddle_decrease=1e-5).near_saddle
+    beyond = run(energy, [1.0, 0.1], saddle_decrease=1e-5)
+    assert not beyond.near_saddle and beyond.is_minimum and beyond.state[1] == pytest.approx(1.0)
