@@ -124,10 +124,9 @@ def test_from_damaged_files(
     """They are made anew: a later run reads them again."""
     assert total(module) == 6.0
     (file,) = tmp_path.rglob(f"*{ending}")
-    whole = file.stat().st_size
     file.write_bytes(file.read_bytes()[:kept_bytes])
     monkeypatch.delitem(sys.modules, module)
-    assert total(module) == 6.0 and file.stat().st_size == whole
+    assert total(module) == 6.0 and file.stat().st_size > 2 * kept_bytes
 
 
 def test_uncompiled(module: str, monkeypatch: pytest.MonkeyPatch) -> None:
