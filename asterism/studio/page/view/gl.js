@@ -53,6 +53,11 @@ export class Renderer {
     return { ...Object.fromEntries(names.map((name) => [name, this.gl.createBuffer()])), count: 0, lineCount: 0 };
   }
 
+  /** The same points with other triangles. */
+  withTriangles(surface) {
+    return Object.assign(Object.create(surface), { triangles: this.gl.createBuffer(), count: 0 });
+  }
+
   fill(surface, { positions, normals, colours, printed, triangles, lines }) {
     const { gl } = this;
     const put = (target, where, data) =>
@@ -74,11 +79,12 @@ export class Renderer {
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
   }
 
-  /** Draws the map of the sun of all surfaces that cast shadows in a box {low, high}. With `hasSky` also those of the
-   * sky; then each point of the surfaces has its share of the sky. */
-  shade(surfaces, { low, high }, hasSky) {
+  /** Draws the map of the sun of all surfaces that cast shadows in a box {low, high}, for a picture with a `share` of the
+   * pixels along each side. For a whole one also those of the sky; then each point has its share of the sky. */
+  shade(surfaces, { low, high }, share) {
     const { gl } = this;
-    const side = hasSky ? MAP_PX : MAP_PX / 2; // of the part of a map that is used
+    const hasSky = share === 1;
+    const side = hasSky ? MAP_PX : Math.round((share * MAP_PX) / 2); // of the part of a map that is used
     this.away = Math.max(0.15, (1.5 * Math.hypot(...high.map((value, c) => value - low[c]))) / side);
     gl.bindFramebuffer(gl.FRAMEBUFFER, this.target);
     gl.viewport(0, 0, side, side);

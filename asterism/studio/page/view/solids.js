@@ -21,10 +21,8 @@ export function bars(arms, normals, count) {
   const stations = rows + 2 * CAP;
   const positions = new Float32Array(count * stations * 18);
   const directions = new Float32Array(count * stations * 18);
-  const triangles = new Uint32Array(count * (stations - 1) * 18);
   const [a, l, n] = [new Float64Array(3), new Float64Array(3), new Float64Array(3)];
   let at = 0;
-  let index = 0;
   for (let arm = 0; arm < count; arm++) {
     for (let s = 0; s < stations; s++) {
       const row = Math.min(Math.max(s - CAP, 0), rows - 1);
@@ -46,15 +44,25 @@ export function bars(arms, normals, count) {
           directions[at++] = part ? out : n[c];
         }
       }
-      if (s === stations - 1) continue;
-      const first = 6 * (arm * stations + s);
-      for (const [i, j] of [[0, 1], [3, 2], [4, 5]]) {
-        triangles.set([first + i, first + j, first + 6 + i, first + j, first + 6 + j, first + 6 + i], index);
-        index += 6;
-      }
     }
   }
-  return { positions, normals: directions, triangles, perArm: 6 * stations };
+  const [triangles, few] = [1, 2].map((step) => strips(count, stations, step));
+  return { positions, normals: directions, triangles, few, perArm: 6 * stations };
+}
+
+/** Triangles of bars between every station, or every second one. */
+function strips(count, stations, step) {
+  const pieces = Math.floor(stations / step) - 1;
+  const triangles = new Uint32Array(18 * count * pieces);
+  for (let piece = 0, index = 0; piece < count * pieces; piece++) {
+    const first = 6 * (stations * Math.floor(piece / pieces) + step * ((piece % pieces) + 1) - 1);
+    for (const side of [[0, 1], [3, 2], [4, 5]]) {
+      const [i, j] = side.map((corner) => first + corner);
+      triangles.set([i, j, i + 6 * step, j, j + 6 * step, i + 6 * step], index);
+      index += 6;
+    }
+  }
+  return triangles;
 }
 
 /** Colours of the bars' points: the accent where the arm's star is marked, transparent elsewhere. */

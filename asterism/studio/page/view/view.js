@@ -24,6 +24,7 @@ const INK = [0.12, 0.12, 0.14];
 const BOARDS = { light: [0.9, 0.89, 0.87], dark: [0.36, 0.37, 0.4] };
 const NO_NEEDLES = new Float32Array(0);
 const REST_MS = 250; // without a change, until the picture is drawn with all its light
+const HELD_MS = 1500; // the same while a pointer is pressed: that picture takes long, and a stroke would wait for it
 const QUICK_MS = 45; // longest picture of a moving sheet, if fewer pixels and less light make that possible
 const MAX_MESHES = 8;
 const MOVE_MS = 350; // in which the sheet moves over from the preview to the exact shape
@@ -70,6 +71,7 @@ export class View {
     this.contourSurface = this.renderer.makeSurface();
     this.rimSurface = this.renderer.makeSurface();
     this.armSurface = this.renderer.makeSurface();
+    this.quickArms = this.renderer.withTriangles(this.armSurface);
     this.needleSurface = this.renderer.makeSurface();
     this.boardSurface = this.renderer.makeSurface();
     this.camera.isOrthographic = store.get("orthographic");
@@ -215,8 +217,10 @@ export class View {
     renderer.fill(this.rimSurface, rim(positions, normals, outline));
     const made = arms.length ? bars(arms, armNormals, arms.rows) : null;
     this.shape.perArm = made?.perArm;
-    if (made) renderer.fill(this.armSurface, made);
-    else this.armSurface.count = 0;
+    if (made) {
+      renderer.fill(this.armSurface, made);
+      renderer.fill(this.quickArms, { triangles: made.few });
+    } else this.armSurface.count = 0;
     const tops = [...positions];
     const held = parted(needles);
     for (const [, tip] of held.upright) tops.push(...headOf(tip));
@@ -308,9 +312,17 @@ export class View {
       this.#isDirty = false;
       if (this.#fullMs < QUICK_MS) return this.draw();
       this.draw(Math.max(0.4, Math.sqrt(QUICK_MS / this.#fullMs)));
-      clearTimeout(this.#rest);
-      this.#rest = setTimeout(() => this.draw(), REST_MS);
+      this.#drawAtRest();
     });
+  }
+
+  /** Draws with all light and pixels after a while; later if a pointer is pressed, as the next change is then near. */
+  #drawAtRest(since = performance.now()) {
+    clearTimeout(this.#rest);
+    this.#rest = setTimeout(() => {
+      const isHeld = document.body.matches(":active") && performance.now() - since < HELD_MS;
+      isHeld ? this.#drawAtRest(since) : this.draw();
+    }, REST_MS);
   }
 
   /** Draws on a `share` of the canvas' pixels along each side; with less than all, a new shape has no shadows of the sky. */
@@ -321,7 +333,7 @@ export class View {
     if (canvas.width !== width || canvas.height !== height) [canvas.width, canvas.height] = [width, height];
     const surfaces = this.#surfaces(share < 1);
     const light = share < 1 ? 1 : 2;
-    if (this.#light < light) renderer.shade(surfaces, this.#box, light === 2);
+    if (this.#light < light) renderer.shade(surfaces, this.#box, share);
     this.#light = Math.max(light, this.#light);
     const start = share === 1 ? renderer.finish() : performance.now();
     renderer.draw({ surfaces, camera: this.camera.frame(pixels[0] / pixels[1]), width, height, isSoft: share === 1 });
@@ -331,7 +343,7 @@ export class View {
     this.#confirm();
   }
 
-  /** What is drawn; `isQuick`: the fabric without its thickness. */
+  /** What is drawn; `isQuick`: the fabric without its thickness, arms of fewer pieces and without shadows. */
   #surfaces(isQuick) {
     const { isGrey } = this;
     const [front, back] = isGrey ? GREY : FABRIC;
@@ -349,8 +361,9 @@ export class View {
         { surface: this.rimSurface, base: front.map((value) => 0.92 * value) },
       );
     surfaces.push({ surface: this.needleSurface, base: NEEDLE, shine: 0.3, casts: true });
+    const arms = isQuick ? this.quickArms : this.armSurface;
     if (this.store.get("showArms") && this.armSurface.count)
-      surfaces.push({ surface: this.armSurface, base: PLASTIC, shine: 0.1, coloured: 1, casts: true });
+      surfaces.push({ surface: arms, base: PLASTIC, shine: 0.1, coloured: 1, casts: !isQuick });
     if (this.contourSurface.lineCount && !isGrey)
       surfaces.push({ surface: this.contourSurface, base: INK, line: coloured ? [1, 1, 1, 0.8] : [...INK, 0.8] });
     if (this.target && this.store.get("showTarget")) surfaces.push({ surface: this.target.surface, ...this.target.look });
