@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.interpolate import CloughTocher2DInterpolator, LinearNDInterpolator, NearestNDInterpolator
-from scipy.spatial import ConvexHull, cKDTree
+from scipy.spatial import ConvexHull
 
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State, edge_tangents, orthonormal_to_tangents, rotate_vectors
@@ -33,11 +33,9 @@ def fit_to_surface(model: DiscreteModel, surface: Array) -> State:
     smooth = np.where(held, model.constraints.positions_at(model.pin_progress), surface)
     length = model.parts["rod_stretch"].params[:, 1:]
     move = model.reconstruction.fit_edges(smooth, length * edge_tangents(smooth, model.edges)) - smooth
-    if held.any():
-        # an arm that ends beside a support does not pass it
-        room = cKDTree(model.mesh.points[held.any(axis=1)]).query(model.mesh.points)[0]
-        move *= np.minimum(MAX_SUPPORT_SHARE * room / np.maximum(np.linalg.norm(move, axis=1), 1e-12), 1.0)[:, None]
-    positions = smooth + move
+    # an arm that ends beside a support does not pass it
+    most = MAX_SUPPORT_SHARE * model.layout.distance_to_supports(model.mesh.points)
+    positions = smooth + move * np.minimum(most / np.maximum(np.linalg.norm(move, axis=1), 1e-12), 1.0)[:, None]
     return model.with_fitted_frames(State(positions, plastic_normals(model, positions)))
 
 
