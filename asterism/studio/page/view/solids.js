@@ -46,9 +46,15 @@ export function bars(arms, normals, count) {
       }
     }
   }
-  const [triangles, few] = [1, 2].map((step) => strips(count, stations, step));
+  if (joined.count !== count || joined.stations !== stations) {
+    const [triangles, few] = [1, 2].map((step) => strips(count, stations, step));
+    joined = { count, stations, triangles, few };
+  }
+  const { triangles, few } = joined;
   return { positions, normals: directions, triangles, few, perArm: 6 * stations };
 }
+
+let joined = {}; // triangles of the last bars: those of the next shape are the same
 
 /** Triangles of bars between every station, or every second one. */
 function strips(count, stations, step) {
