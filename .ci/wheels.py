@@ -98,7 +98,7 @@ def try_out(python: Path, wheel: Path, place: Path, in_all_ways: bool) -> list[s
     """Install the wheel, and run it, in three ways if asked; returns what each way showed."""
     installed = environment(python, place / "venv")
     run([installed, "-m", "pip", "install", "--quiet", f"{wheel}[mkl]"])
-    shown = [f"{solve(installed, place / 'first')} as installed"]
+    shown = [f"{solve(installed, place / 'first', ('preview', 'simulate'))} as installed"]
     if not in_all_ways:
         return shown
     run([installed, "-m", "pip", "uninstall", "--quiet", "--yes", *MKL])
@@ -123,8 +123,11 @@ def try_out(python: Path, wheel: Path, place: Path, in_all_ways: bool) -> list[s
     return shown
 
 
-def solve(python: Path, folder: Path, can_write: bool = True) -> str:
-    """Preview and simulate one star as a newcomer does; returns the name of the linear solver, "" if left out."""
+def solve(python: Path, folder: Path, commands: tuple[str, ...] = ("simulate",), can_write: bool = True) -> str:
+    """Compute one star as a newcomer does; returns the name of the linear solver, "" if left out.
+
+    One start of `simulate`, the last command, is a preview.
+    """
     folder.mkdir(parents=True)
     settings = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "NUMBA"))}
     before: tuple[str, ...] = ()
@@ -144,14 +147,12 @@ def solve(python: Path, folder: Path, can_write: bool = True) -> str:
     assert "canopy" in asterism("new").stdout and "ultimaker2" in asterism("printers").stdout
     assert "paper" in asterism("materials").stdout
     asterism("new", "star", "-o", "star.toml")
-    done = [asterism(word, "star.toml", "-o", word) for word in ("preview", "simulate")]
+    done = [asterism(word, "star.toml", "-o", word) for word in commands]
     if not can_write:
         assert all("no folder for compiled code can be written" in each.stderr for each in done), done[0].stderr
-    summaries = [
-        json.loads((folder / word / "summary.json").read_text(encoding="utf-8")) for word in ("preview", "simulate")
-    ]
+    summaries = [json.loads((folder / word / "summary.json").read_text(encoding="utf-8")) for word in commands]
     assert all(summary["is_minimum"] for summary in summaries)
-    return str(summaries[1]["backend"])
+    return str(summaries[-1]["backend"])
 
 
 def environment(python: Path, place: Path) -> Path:

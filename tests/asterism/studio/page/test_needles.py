@@ -104,9 +104,8 @@ def test_needles_follow_another_stretch_by_one_button(page: StudioPage) -> None:
     assert table(page)["target_mm"] == before and "1.35" in page.item("needles-follow").inner_text()
     revision = page.get("studio.revision")
     page.item("follow-stretch").click()
-    page.wait(
-        f"studio.revision !== {revision} && !studio.isWaiting && !document.querySelector('[data-testid=follow-stretch]')"
-    )
+    page.wait(f"studio.revision !== {revision} && !studio.isWaiting")
+    assert not page.item("follow-stretch").count()
     expected = [[1.35 / 1.5 * x, 1.35 / 1.5 * y, z] for x, y, z in before]
     assert np.allclose(table(page)["target_mm"], expected, atol=0.01)
 
