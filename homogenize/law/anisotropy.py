@@ -26,8 +26,6 @@ from typing import Any
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
-from asterism.homogenize.cell.point_group import differs_by_direction
-from asterism.pattern.design.design import Design
 
 # Poisson's ratio of bending. It changes caps, but no tubes: small free sheets agree best with the exact model for 0 to
 # 0.1
@@ -64,11 +62,6 @@ MIN_START_RATIO = 1e-3
 _KELVIN = np.array([1.0, 1.0, np.sqrt(0.5)])
 _LOWER_NORM = np.where(_LOWER[0] == _LOWER[1], 1.0, np.sqrt(2.0))
 _MOMENT_NORM = np.array([1.0, 1.0, np.sqrt(2.0)])
-
-
-def anisotropy_size(design: Design) -> int:
-    """K, the number of columns that the law of such stars has for directions; 0 if they are alike."""
-    return ANISOTROPY_SIZE if differs_by_direction(design) else 0
 
 
 def sample_anisotropy(sample: dict[str, Any]) -> Floats:

@@ -15,10 +15,9 @@ import pytest
 from matplotlib.figure import Figure
 from PIL import Image
 
-from asterism.homogenize.campaign.campaign import SampleRecord
 from asterism.homogenize.campaign.workers import CampaignProgress
 from asterism.homogenize.law.law_file import law_digest, load_law
-from asterism.homogenize.law.plan import CellTask
+from asterism.homogenize.law.plan import CellTask, SampleRecord
 from asterism.process.progress_line import CountLine
 from tests.asterism.commands import Cli
 from tests.homogenize import same_process
