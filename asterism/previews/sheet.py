@@ -23,8 +23,7 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import check_type
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
-from asterism.previews.fields.rim_arms import free_normals, rim_curvature_share
-from asterism.previews.fields.sheet_fields import sheet_fields
+from asterism.previews.fields.sheet_fields import free_normals, rim_curvature_share, sheet_fields
 from asterism.previews.fields.star_cells import Shares, StarCells
 from asterism.previews.fields.star_values import StarPlaces, StarShares, StarValues, star_values
 from asterism.previews.model import PreviewModel

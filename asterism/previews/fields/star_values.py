@@ -179,7 +179,7 @@ class StarShares:
     shape : shape of the fields, (T, Q) with n = T Q.
     directions : (N, 2) unit vectors of the arms of a star.
     arms : for each of them the shares half a spacing back along it.
-    normals : (n, 2) normals of free sides (`asterism.previews.fields.rim_arms.free_normals`).
+    normals : (n, 2) normals of free sides (`asterism.previews.fields.sheet_fields.free_normals`).
     carried : (S, N) share of the natural curvature that arms carry into a free rim; None for supported sheets.
     spacing_mm : of the stars.
     model : constants of the preview.
