@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from asterism.equilibrium.errors import Error as Error
     from asterism.exact.spread import spread as spread
     from asterism.fitting.fit import Fit as Fit
-    from asterism.fitting.fit import fit as fit
     from asterism.fitting.load_target import load_target as load_target
+    from asterism.fitting.run import fit as fit
     from asterism.fitting.settings import FitSettings as FitSettings
     from asterism.fitting.solve_for import sensitivity as sensitivity
     from asterism.fitting.solve_for import solve_for as solve_for
@@ -87,7 +87,7 @@ _HOMES = {
     "compare": "asterism.measure.compare.compare:compare",
     "compare_designs": "asterism.reports.compare_designs:compare_designs",
     "export": "asterism.print.export:export",
-    "fit": "asterism.fitting.fit:fit",
+    "fit": "asterism.fitting.run:fit",
     "fit_strips": "asterism.measure.strips.fit_strips:fit_strips",
     "load_design": "asterism.pattern.layout.build:load_design",
     "load_law": "asterism.homogenize.law.law_file:load_law",

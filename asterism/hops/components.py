@@ -201,7 +201,7 @@ def _exact(work: Work, values: Values) -> Answer:
 
 
 def _fit(work: Work, values: Values) -> Answer:
-    from asterism.fitting.fit import fit
+    from asterism.fitting.run import fit
     from asterism.fitting.settings import FitSettings
     from asterism.fitting.target import TargetSurface
 
