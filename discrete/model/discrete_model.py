@@ -12,7 +12,6 @@ from scipy.spatial import cKDTree
 from asterism.discrete.energies.bending.fabric_bending import FABRIC_BENDING, BendingMesh
 from asterism.discrete.energies.elements import Elements
 from asterism.discrete.energies.membrane import Membrane
-from asterism.discrete.energies.rods.bend import RodBend
 from asterism.discrete.energies.rods.joint import RodJoint
 from asterism.discrete.energies.rods.network import (
     JointNetwork,
@@ -27,8 +26,7 @@ from asterism.discrete.energies.rods.network import (
     stretch_params,
     twist_params,
 )
-from asterism.discrete.energies.rods.stretch import RodStretch
-from asterism.discrete.energies.rods.twist import RodTwist
+from asterism.discrete.energies.rods.rod import RodBend, RodStretch, RodTwist
 from asterism.discrete.energies.side_membrane import SideMembrane, flat_share
 from asterism.discrete.model.reconstruction import Reconstruction
 from asterism.discrete.model.state import State, moved_state

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from asterism.discrete.energies.bending.fabric_bending import FABRIC_BENDING, BendingMesh
-from asterism.discrete.energies.bending.plate_patches import patches
+from asterism.discrete.energies.bending.plate import patches
 from asterism.discrete.energies.elements import Elements
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State, edge_tangents, moved_state, rotate_vectors

@@ -9,7 +9,6 @@ import pytest
 import scipy.linalg as la
 import scipy.sparse.linalg as spla
 
-from asterism.discrete.energies.rods.bend import RodBend
 from asterism.discrete.energies.rods.joint import RodJoint
 from asterism.discrete.energies.rods.network import (
     bend_params,
@@ -22,8 +21,7 @@ from asterism.discrete.energies.rods.network import (
     stretch_params,
     twist_params,
 )
-from asterism.discrete.energies.rods.stretch import RodStretch
-from asterism.discrete.energies.rods.twist import RodTwist
+from asterism.discrete.energies.rods.rod import RodBend, RodStretch, RodTwist
 from asterism.discrete.model.state import State, moved_state, rotate_vectors
 from asterism.discrete.model.system import System, rigid_motions
 from asterism.equilibrium.arrays import Array
