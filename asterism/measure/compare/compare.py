@@ -1,4 +1,4 @@
-"""Comparison of a computed shape with a scan or an outline: the functions behind `asterism compare`."""
+"""Comparison of a computed shape with a scan or an outline: the functions of `asterism compare`, and its picture."""
 
 from __future__ import annotations
 
@@ -7,8 +7,19 @@ from pathlib import Path
 from typing import IO
 
 import numpy as np
+from matplotlib import colormaps
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.cm import ScalarMappable
+from matplotlib.collections import LineCollection
+from matplotlib.colors import Normalize
+from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 
-from asterism.measure.compare.comparison_picture import draw_outline, draw_scan
+from asterism.draw.fonts import write_title
+from asterism.draw.render import bare, drawn_size, render, sheet_camera
+from asterism.draw.style import INK, PALE, style_axes
+from asterism.equilibrium.arrays import Floats, Ints
 from asterism.measure.compare.outline import OUTLINE_FORMATS, OutlineFit, fit_outline, read_outline, silhouette
 from asterism.measure.compare.scan import ScanError, check_file, check_size, extents, read_scan
 from asterism.measure.compare.scan_comparison import ScanComparison, compare_scan
@@ -147,3 +158,108 @@ def write_comparison(comparison: MeasuredComparison, directory: str | Path) -> l
         comparison.draw(folder / "compare.png")
         (folder / SUMMARY_FILE).write_text(comparison.summary.json_text(), encoding="utf-8")
     return ["compare.png", SUMMARY_FILE]
+
+
+SIGNED_DISTANCE_COLOURS = colormaps["RdBu_r"]
+# resolution of the picture, and its size in inches
+_DPI = 100
+_WIDTH_IN, _HEIGHT_IN = 16.0, 8.6
+
+
+def draw_scan(comparison: ScanComparison, title: str, path_or_file: str | Path | IO[bytes]) -> None:
+    """Draw the comparison with a scan as PNG."""
+    numbers = comparison.distances()
+    words = (
+        f"rms {numbers.rms_mm:.2f} mm ({numbers.rms_percent:.2f} % of the diameter)   ·   "
+        f"largest {numbers.max_mm:.2f} mm   ·   {numbers.points_left_out_percent:.0f} % of the points left out   ·   "
+        f"{numbers.shape_covered_percent:.0f} % of the shape scanned"
+    )
+    figure = _figure(title, words)
+    used, positions = comparison.distance[comparison.used], comparison.shape.positions
+    said = "distance of the scan, mm; red: on the plastic side; grey: not scanned"
+    scale = _scale(figure, (0.06, 0.075, 0.4, 0.022), used, said)
+    low, high = positions.min(axis=0), positions.max(axis=0)
+    distance = comparison.vertex_distance
+    colours = np.where(np.isnan(distance)[:, None], (0.86, 0.86, 0.88), scale.to_rgba(distance)[:, :3])
+    sheet = bare(comparison.shape.positions, comparison.shape.triangles, colours)
+    view = sheet_camera("oblique", positions)
+    room = np.array([0.46 * _WIDTH_IN, 0.68 * _HEIGHT_IN]) * _DPI
+    image = render(sheet, view, float((room / drawn_size(sheet, view)).min()))
+    height, width = image.shape[:2]
+    canvas = image[..., 3:] * image[..., :3] + 1 - image[..., 3:]
+    left, bottom = 0.27 * _WIDTH_IN * _DPI - width / 2, 0.5 * _HEIGHT_IN * _DPI - height / 2
+    figure.figimage(canvas, left, bottom, origin="lower")
+    for along, place in ((0, (0.56, 0.66, 0.42, 0.2)), (1, (0.56, 0.37, 0.42, 0.2))):
+        _section(figure.add_axes(place), comparison, along, float((low + high)[1 - along] / 2))
+    below = "mm, positive on the plastic side"
+    _histogram(figure.add_axes((0.56, 0.09, 0.42, 0.19)), used, "points of the scan at each distance", below)
+    figure.savefig(path_or_file, format="png", dpi=_DPI)
+
+
+def draw_outline(outline_fit: OutlineFit, title: str, words: str, path_or_file: str | Path | IO[bytes]) -> None:
+    """Draw the comparison with an outline as PNG."""
+    figure = _figure(title, words)
+    axes = figure.add_axes((0.05, 0.09, 0.6, 0.77))
+    axes.fill(*outline_fit.silhouette.T, facecolor="#eceef2", edgecolor=INK, linewidth=1.2)
+    scale = _scale(figure, (0.72, 0.62, 0.25, 0.025), outline_fit.distance, "distance, mm; red: outside")
+    ends = np.stack([outline_fit.places, np.roll(outline_fit.places, -1, axis=0)], axis=1)
+    # a grey line below, because distance 0 is white
+    axes.add_collection(LineCollection(list(ends), colors="#b8b8c0", linewidths=4.5))
+    axes.add_collection(LineCollection(list(ends), colors=scale.to_rgba(outline_fit.distance), linewidths=3))
+    axes.set_aspect("equal")
+    axes.margins(0.05)
+    style_axes(axes, "the outline in the colour of its distance, on the shape's silhouette", "mm")
+    below = figure.add_axes((0.72, 0.15, 0.25, 0.34))
+    _histogram(below, outline_fit.distance, "length of outline at each distance", "mm")
+    for narrow in figure.axes[1:]:  # they have room for four numbers
+        narrow.xaxis.set_major_locator(MaxNLocator(4))
+    figure.savefig(path_or_file, format="png", dpi=_DPI)
+
+
+def _figure(title: str, words: str) -> Figure:
+    figure = Figure(figsize=(_WIDTH_IN, _HEIGHT_IN), dpi=_DPI, facecolor="white")
+    FigureCanvasAgg(figure)
+    write_title(figure, 0.025, 0.945, title, 15 * min(1.0, 90 / max(len(title), 1)))
+    figure.text(0.025, 0.91, words, fontsize=10, color=PALE, parse_math=False)
+    return figure
+
+
+def _scale(figure: Figure, place: tuple[float, float, float, float], distance: Floats, title: str) -> ScalarMappable:
+    """Colours for distances, with their bar."""
+    far = max(float(np.quantile(np.abs(distance), 0.98)), 0.1)
+    scale = ScalarMappable(Normalize(-far, far), SIGNED_DISTANCE_COLOURS)
+    bar = figure.add_axes(place)
+    figure.colorbar(scale, cax=bar, orientation="horizontal")
+    bar.set_title(title, fontsize=9, color=PALE)
+    return scale
+
+
+def _section(axes: Axes, comparison: ScanComparison, along: int, level: float) -> None:
+    """Draw the section of the shape along x (0) or y (1), where the other coordinate is `level` (mm), with the scan."""
+    across = 1 - along
+    segments = surface_cut(comparison.shape.positions, comparison.shape.triangles, across, level)[:, :, [along, 2]]
+    near = np.abs(comparison.points[:, across] - level) < 1.0
+    for selected, colour in ((near & ~comparison.used, "#b0b0b8"), (near & comparison.used, "#c8553d")):
+        axes.plot(*comparison.points[selected][:, [along, 2]].T, ".", color=colour, markersize=2.5)
+    axes.add_collection(LineCollection(list(segments), colors=INK, linewidths=1.2))
+    positions = comparison.shape.positions[:, [along, 2]]
+    low, high = positions.min(axis=0), positions.max(axis=0)
+    room = 0.06 * float((high - low).max()) + 1.0
+    axes.set_xlim(low[0] - room, high[0] + room)
+    axes.set_ylim(low[1] - room, high[1] + room)
+    axes.set_aspect("equal")
+    style_axes(axes, f"cut along {'xy'[along]} through the middle: shape black, scan red, left out grey", "mm")
+
+
+def surface_cut(positions: Floats, triangles: Ints, axis: int, level: float) -> Floats:
+    """(k, 2, 3) segments in which triangles intersect the plane where a coordinate is `level`."""
+    import trimesh  # slow to import
+
+    mesh, normal = trimesh.Trimesh(positions, triangles, process=False), np.eye(3)[axis]
+    return np.asarray(trimesh.intersections.mesh_plane(mesh, normal, level * normal))
+
+
+def _histogram(axes: Axes, distance: Floats, title: str, below: str) -> None:
+    axes.hist(distance, bins=80, color="#2a6f97")
+    axes.set_yticks([])
+    style_axes(axes, title, below)
