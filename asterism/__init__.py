@@ -26,13 +26,13 @@ if TYPE_CHECKING:
     from asterism.equilibrium.errors import Error as Error
     from asterism.exact.spread import spread as spread
     from asterism.fitting.fit import Fit as Fit
-    from asterism.fitting.load_target import load_target as load_target
     from asterism.fitting.run import fit as fit
     from asterism.fitting.settings import FitSettings as FitSettings
     from asterism.fitting.solve_for import sensitivity as sensitivity
     from asterism.fitting.solve_for import solve_for as solve_for
     from asterism.fitting.solve_for import solve_for_point as solve_for_point
     from asterism.fitting.target import TargetSurface as TargetSurface
+    from asterism.fitting.target import load_target as load_target
     from asterism.homogenize.law.law import Law as Law
     from asterism.homogenize.law.law_file import load_law as load_law
     from asterism.homogenize.law.material import load_material as load_material
@@ -92,7 +92,7 @@ _HOMES = {
     "load_design": "asterism.pattern.layout.build:load_design",
     "load_law": "asterism.homogenize.law.law_file:load_law",
     "load_material": "asterism.homogenize.law.material:load_material",
-    "load_target": "asterism.fitting.load_target:load_target",
+    "load_target": "asterism.fitting.target:load_target",
     "new": "asterism.pattern.gallery:load",
     "new_strips": "asterism.measure.strips.new_strips:new_strips",
     "preview": "asterism.previews.session:preview",

@@ -313,8 +313,8 @@ def fit(
     is no minimum. If the command is interrupted, it writes the best design until then, and the exit status is 130.
     """
     from asterism.fitting.fit import FitInterrupted
-    from asterism.fitting.load_target import load_target
     from asterism.fitting.run import fit as compute
+    from asterism.fitting.target import load_target
     from asterism.homogenize.law.law_file import load_law
     from asterism.homogenize.law.motif_law import MotifLaw
     from asterism.pattern.design.files import table_text
