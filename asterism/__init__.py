@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from asterism.homogenize.law.law_file import load_law as load_law
     from asterism.homogenize.law.material import load_material as load_material
     from asterism.laws.calibrate import calibrate as calibrate
-    from asterism.laws.law_text import show_law as show_law
+    from asterism.laws.show_law import show_law as show_law
     from asterism.measure.compare.compare import compare as compare
     from asterism.measure.compare.compare import write_comparison as write_comparison
     from asterism.measure.strips.fit_strips import fit_strips as fit_strips
@@ -101,7 +101,7 @@ _HOMES = {
     "save_design": "asterism.pattern.design.design:save_design",
     "sensitivity": "asterism.fitting.solve_for:sensitivity",
     "show": "asterism.notebook.show:show",
-    "show_law": "asterism.laws.law_text:show_law",
+    "show_law": "asterism.laws.show_law:show_law",
     "simulate": "asterism.verification.both_starts:simulate",
     "solve_for": "asterism.fitting.solve_for:solve_for",
     "solve_for_point": "asterism.fitting.solve_for:solve_for_point",

@@ -76,7 +76,7 @@ def test_show_writes_a_picture_and_a_summary(place: Path, cli: Cli, monkeypatch:
 
 @pytest.mark.slow
 def test_the_law_that_comes_with_the_package(here: Path, cli: Cli, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("asterism.laws.law_picture.law_figure", lambda law: Figure())  # it takes seconds
+    monkeypatch.setattr("asterism.laws.show_law.law_figure", lambda law: Figure())  # it takes seconds
     shown = cli(["law", "show"])
     assert shown.status == 0, shown.err
     assert "stretch 1.75" in shown.out and (here / "paper-law" / "law.png").exists()
