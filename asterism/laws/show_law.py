@@ -35,8 +35,6 @@ from asterism.results.files import check_writable, staged_result
 from asterism.results.records.law import LawRecord
 from asterism.results.words import table_lines
 
-# rms over the held-out cells, above which a law warns
-MAX_HELD_OUT_ERROR_PERCENT = 5.0
 CHECKED_QUANTITIES = {"kappa": "curvature", "curvature": "curvature", "bending": "bending stiffness"}
 
 
@@ -100,7 +98,8 @@ def held_out_warning(law: Law[Any]) -> str | None:
         errors = kinds["held_out"]["errors"]
         rms = {words: errors[name]["rms_percent"] for name, words in CHECKED_QUANTITIES.items() if name in errors}
         worst = max(rms.values(), default=0.0)
-        if worst > MAX_HELD_OUT_ERROR_PERCENT:
+        # rms over the held-out cells, above which a law warns
+        if worst > 5.0:
             words = " and ".join(f"{percent:.0f} % in {what}" for what, percent in rms.items())
             largest.append((worst, f"at stretch {stretch} the law's error at its held-out cells is {words} (rms)"))
     return f"{max(largest)[1]}: a plan with more sizes makes it smaller" if largest else None

@@ -100,16 +100,8 @@ def fabric_tension(fabric: Fabric, metric: Floats) -> Floats:
     return term(np.zeros((places.shape[1], 6)))[1][:, :3].reshape(metric.shape)
 
 
-# width of the Gaussian over which bare fabric is smeared, over the side of a square with the area of a triangle
-SMOOTHING_EDGES = 0.2
-# of the motif's stiffness that remains on bare fabric, so that no direction is without any
-MIN_MOTIF_SHARE = 1e-3
 # most of the modulus at which the bending energy becomes indefinite; only sheets with far wider rims have more
 MAX_GAUSSIAN_FACTOR = 5.0
-# largest Gaussian modulus over the one at which bending becomes indefinite without a warning
-MAX_RIM_SHARE = 1.5
-# keys of a drawn line that change the rods, not their places
-ROD_KEYS = {"name", "thickness_mm", "width_mm", "side"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,7 +137,8 @@ class MotifSheet(PrintSheet):
     @cached_property
     def bare(self) -> Floats:
         """(T, Q) share of bare fabric at the quadrature points."""
-        smoothing = SMOOTHING_EDGES * float(np.sqrt(self.layout.area_mm2 / len(self.mesh.triangles)))
+        # width of the Gaussian over which bare fabric is smeared, over the side of a square with the area of a triangle
+        smoothing = 0.2 * float(np.sqrt(self.layout.area_mm2 / len(self.mesh.triangles)))
         share = bare_share(self.layout, reach_mm(self.design), smoothing, self.points)
         return share.reshape(self.table.weights.shape)
 
@@ -225,7 +218,8 @@ class MotifSheet(PrintSheet):
             )
         modulus = self.gaussian(values.tensors.metric, values.tensors.stiffness)
         low, high = gaussian_limits(values.tensors.stiffness[..., 3:, 3:])  # where the bending energy is indefinite
-        if np.maximum(modulus / low, modulus / high).max() > MAX_RIM_SHARE:
+        # largest Gaussian modulus over the one at which bending becomes indefinite without a warning
+        if np.maximum(modulus / low, modulus / high).max() > 1.5:
             yield (
                 "the tension of the fabric at wide rims bends the sheet as much as its rods do, which the preview "
                 "describes roughly; check with the exact model"
@@ -259,7 +253,8 @@ class MotifSheet(PrintSheet):
 
 def _lines(design: Design) -> object:
     """All of the motif but for its sizes and faces."""
-    return [line.model_dump(mode="json", exclude=ROD_KEYS) for line in design.required_rods.motif]
+    of_rods = {"name", "thickness_mm", "width_mm", "side"}  # not of their places
+    return [line.model_dump(mode="json", exclude=of_rods) for line in design.required_rods.motif]
 
 
 def _beside_bare(stiffness: Floats, curvature: Floats, bare: Floats, fabric: Fabric) -> tuple[Floats, Floats]:
@@ -268,7 +263,8 @@ def _beside_bare(stiffness: Floats, curvature: Floats, bare: Floats, fabric: Fab
     The fabric bends with its own stiffness. Its membrane is left to `bare_fabric`.
     """
     share = bare[..., None, None]
-    mixed = np.maximum(1.0 - share, MIN_MOTIF_SHARE) * stiffness
+    # a part of the motif's stiffness remains on bare fabric, so that no direction is without any
+    mixed = np.maximum(1.0 - share, 1e-3) * stiffness
     moment = np.einsum("...ij,...j->...i", mixed[..., 3:, 3:], curvature * TO_VOIGT)
     mixed[..., 3:, 3:] += share * fabric_bending(fabric)
     return mixed, np.linalg.solve(mixed[..., 3:, 3:], moment[..., None])[..., 0] / TO_VOIGT
@@ -286,8 +282,6 @@ def fabric_bending(fabric: Fabric) -> Floats:
 SAMPLES = 40
 # copies of the motif on each side of a cell
 COPIES = 2
-# points of the grid along the longer side of a sheet, at most
-MAX_GRID = 600
 # relative: places at the reach but for rounding belong to the pattern
 REACH_TOLERANCE = 1e-3
 
@@ -336,7 +330,8 @@ def bare_share(layout: Layout, reach: float, smoothing: float, points: Floats) -
     smoothing : mm, standard deviation of the Gaussian over which that is averaged on the sheet.
     """
     low, high = layout.outline.min(axis=0), layout.outline.max(axis=0)
-    step = max(min(reach / 5.0, 0.5 * smoothing), float((high - low).max()) / MAX_GRID)
+    # points of the grid along the longer side of a sheet, at most
+    step = max(min(reach / 5.0, 0.5 * smoothing), float((high - low).max()) / 600)
     x, y = (np.arange(a - 0.5 * step, b + step, step) for a, b in zip(low, high, strict=True))
     grid = np.stack(np.meshgrid(x, y, indexing="ij"), axis=-1)
     on_sheet = layout.is_on_sheet(grid.reshape(-1, 2)).reshape(grid.shape[:2])
@@ -350,14 +345,6 @@ def bare_share(layout: Layout, reach: float, smoothing: float, points: Floats) -
     share = np.divide(bare, whole, out=np.zeros_like(bare), where=whole > 1e-9)
     at = (points - [x[0], y[0]]) / step
     return np.clip(map_coordinates(share, at.T, order=1, mode="nearest"), 0.0, 1.0)
-
-
-# distance of the places of a side at which rims are measured, in spacings of the lattice
-SAMPLE_SPACINGS = 0.05
-# how far inwards rods are looked for, in their mean distances
-REACH_DISTANCES = 3.0
-# of the places of a side: with fewer places that have a rod inwards, rods end at this side and lie along no part of it
-MIN_MET_SHARE = 0.8
 
 
 @dataclass(frozen=True)
@@ -423,11 +410,14 @@ def rims_of(design: Design, layout: Layout, reach: float) -> Rims:
         distance = _distance_along(design, normal)
         if not np.isfinite(distance):
             continue
-        count = max(int(np.ceil(length[side] / (SAMPLE_SPACINGS * spacing))), 2)
+        # distance of the places of a side at which rims are measured, in spacings of the lattice
+        count = max(int(np.ceil(length[side] / (0.05 * spacing))), 2)
         places = start[side] + (np.arange(count) + 0.5)[:, None] / count * (end - start)[side]
-        width = to_first_rod(places, normal, rods, REACH_DISTANCES * distance)
+        # how far inwards rods are looked for, in their mean distances
+        width = to_first_rod(places, normal, rods, 3.0 * distance)
         met = np.isfinite(width)
-        if met.mean() < MIN_MET_SHARE:
+        # with fewer places of a side that have a rod inwards, rods end at this side and lie along no part of it
+        if met.mean() < 0.8:
             continue
         square = float((width[met] ** 2).mean())
         away = rods.query_nearest(shapely.points(places), all_matches=False, return_distance=True)[1]

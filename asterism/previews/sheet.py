@@ -101,8 +101,6 @@ class StarLens(SheetLens):
 BUMP_TURN_RAD = 0.55
 # strain over the flat cell at which half of a bump is left: a fit to bumps of seven equal stars on held borders
 BUMP_STRAIN = 0.045
-# smallest natural turn over one spacing in the formula for s(k), to avoid a division by zero
-MIN_NATURAL_TURN_RAD = 1e-4
 
 
 def corrugation_heights(
@@ -148,7 +146,8 @@ def flattening(values: StarValues, weights: sp.csr_matrix, area: Floats) -> Floa
 
 def _bent(kappa: Floats, curvature: Floats, spacing: float) -> Floats:
     """(n,) `kappa s(k)` in 1/mm at curvatures k (n,): zero for a flat sheet, kappa at the natural curvature."""
-    own = np.maximum(np.abs(kappa) * spacing, MIN_NATURAL_TURN_RAD)
+    # smallest natural turn over one spacing in the formula for s(k), to avoid a division by zero
+    own = np.maximum(np.abs(kappa) * spacing, 1e-4)
     return np.asarray(own / spacing * np.tanh(curvature * spacing / BUMP_TURN_RAD) / np.tanh(own / BUMP_TURN_RAD))
 
 
@@ -163,8 +162,6 @@ def _shared(weights: sp.csr_matrix, values: Floats) -> Floats:
 # pytest tests/asterism/previews/test_arms.py
 FABRIC_BESIDE_ARM = 0.15
 FABRIC_BEYOND_TIP = 0.25
-# share of the distance to a support that a tip moves at most; origin unknown
-ARM_SUPPORT_SHARE = 0.25
 # the crease of exp(-q/b) on the arm is rounded over this multiple of b
 CREASE_ROUNDING = 0.1
 # fabric beyond a tip follows the arm up to this multiple of b
@@ -197,7 +194,8 @@ class Arms:
         """(A, 2) mm in print, how far the tips move along the sheet, for degrees of freedom x (N, 3) of the shell."""
         tangents = Places.at(self._at_tips, x).tangents
         stretch = np.linalg.norm(np.einsum("ai,aic->ac", self.direction, tangents), axis=1)
-        excess = np.clip((1.0 - stretch) * self.length, 0.0, ARM_SUPPORT_SHARE * self.room)
+        # share of the distance to a support that a tip moves at most; origin unknown
+        excess = np.clip((1.0 - stretch) * self.length, 0.0, 0.25 * self.room)
         return np.asarray((excess / np.maximum(stretch, MIN_LENGTH_MM))[:, None] * self.direction)
 
 
@@ -259,12 +257,6 @@ def arm_shares(arms: Arms, points: Floats, before: ArmShares | None = None) -> A
     return ArmShares(arms, tree, to_pin, reach, sp.csc_matrix(shares))
 
 
-# how far back along an arm its star is, in spacings: half way to the next one (`sheet_fields.rosette_metric`)
-ARM_SETBACK = 0.5
-# attributes of a layout that determine the positions of its arms
-ARM_PLACES = ("centres", "star_number", "arm_star", "arm_tip")
-
-
 @dataclass(eq=False)
 class Sheet(PrintSheet):
     """A printed sheet of stars."""
@@ -278,7 +270,8 @@ class Sheet(PrintSheet):
     def stars(self) -> StarShares:
         """The stars at the quadrature points."""
         layout, lattice, model, points = self.layout, self.design.lattice, self.model, self.points
-        cells, back = StarCells(layout, lattice, model), ARM_SETBACK * lattice.spacing_mm
+        # how far back along an arm its star is, in spacings: half way to the next one (`sheet_fields.rosette_metric`)
+        cells, back = StarCells(layout, lattice, model), 0.5 * lattice.spacing_mm
         curls = not layout.is_supported_in_plane
         return StarShares(
             Shares(cells, points),
@@ -309,7 +302,11 @@ class Sheet(PrintSheet):
 
     def has_rods_of(self, layout: Layout) -> bool:
         """Whether another layout of this sheet has its arms at the same positions; thickness and width may differ."""
-        return all(np.array_equal(getattr(layout, name), getattr(self.layout, name)) for name in ARM_PLACES)
+        # attributes of a layout that determine the positions of its arms
+        return all(
+            np.array_equal(getattr(layout, name), getattr(self.layout, name))
+            for name in ("centres", "star_number", "arm_star", "arm_tip")
+        )
 
     @cached_property
     def arms(self) -> Arms:

@@ -40,10 +40,6 @@ from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.mesh import Mesh
 from asterism.pattern.rods.graph import RodGraph
 
-# parts that have a rest shape in the plane
-MEMBRANES = {"membrane", "membrane_sides"}
-BUMP_RADIUS_FRACTION = 0.35  # 1: radius at which a Gaussian bump falls to 1/e, over the spacing of the stars
-
 
 @dataclass(frozen=True)
 class Constraints:
@@ -182,7 +178,8 @@ class DiscreteModel(System):
         self.release = self.pin_progress = release
         fabric = self.design.fabric
         sx, sy = (1.0 + release * (s - 1.0) for s in fabric.stretch_xy)
-        for name in MEMBRANES & self.parts.keys():
+        # parts that have a rest shape in the plane
+        for name in {"membrane", "membrane_sides"} & self.parts.keys():
             cast(Membrane | SideMembrane, self.parts[name]).set_rest(self.mesh.points / (sx, sy))
         # bending coefficients depend on the rest shape only up to its size
         rest_shape = self.mesh.points / (sx / sy, 1.0) if len(set(fabric.stretch_xy)) > 1 else None
@@ -340,7 +337,8 @@ def add_bumps(model: DiscreteModel, state: State, heights: Array) -> State:
         return state
     up = (model.layout.star_side * heights)[bumped]
     distance, nearest = cKDTree(model.layout.centres[bumped]).query(model.mesh.points)
-    lift = up[nearest] * np.exp(-((distance / (BUMP_RADIUS_FRACTION * model.spacing)) ** 2))
+    # radius at which a Gaussian bump falls to 1/e, over the spacing of the stars
+    lift = up[nearest] * np.exp(-((distance / (0.35 * model.spacing)) ** 2))
     positions = state.positions + lift[:, None] * vertex_normals(state.positions, model.mesh.triangles)
     positions = np.where(model.constraints.held, state.positions, positions)
     return model.moved_to(state, positions)

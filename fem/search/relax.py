@@ -22,7 +22,6 @@ from asterism.fem.search.simple_shapes import SimpleShape
 from asterism.fem.shell.shell import Shell
 
 GRADIENT_TOLERANCE = 1e-11  # 1: gradient norm of an equilibrium over `Shell.force_scale`
-SADDLE_STEP = 0.02  # 1: largest change of a dof when a saddle is left, over the extent of the sheet
 LOAD_STEPS = (4, 16)  # numbers of load steps that are tried if no guess leads to a minimum
 MAX_ITERATIONS = 60  # iterations of Newton's method with mixed points
 MAX_FURTHER_ITERATIONS = 12  # the same after a minimum has been found
@@ -32,7 +31,6 @@ CLOSE_GUESS = 0.1
 # iterations of one search, load steps included; then it ends with the best state, and certifies no minimum
 MAX_RELAX_ITERATIONS = 1000
 MAX_GUESSES = 2  # guesses of different kinds that are followed
-MAX_TURNED_GUESSES = 2  # guesses of the best kind in other directions that are followed
 MODE_COUNT = 3  # softest modes that are computed
 
 
@@ -122,7 +120,8 @@ def relax(
             factor.close()
     kinds, turned = initial_guesses(shell, factor, side, None if shapes is None else list(shapes), symmetries)
     results: list[ShellEquilibrium] = []
-    chosen = _promising(kinds, kinds)[:max_guesses] + _promising(turned, kinds)[:MAX_TURNED_GUESSES]
+    # guesses of the best kind in other directions that are followed
+    chosen = _promising(kinds, kinds)[:max_guesses] + _promising(turned, kinds)[:2]
     for guess in sorted(chosen, key=lambda guess: guess.energy):
         # once a minimum is known, a further guess gets few iterations, and more only if its energy is already lower
         lowest = min((each.energy for each in results if each.is_minimum), default=np.inf)
@@ -176,7 +175,8 @@ def follow(
         strains, most = given.pop() if given else None, MAX_ITERATIONS if patient else max_iterations
         return mixed_newton(shell, state, factor, tolerance, strains, most, known)
 
-    most, step = MAX_DESCENT_ITERATIONS if patient else 0, SADDLE_STEP * shell.extent
+    # largest change of a dof when a saddle is left, over the extent of the sheet
+    most, step = MAX_DESCENT_ITERATIONS if patient else 0, 0.02 * shell.extent
     end = find_minimum(shell, x, factor, tolerance, iterate, step, max_iterations=most)
     trial = Trial(name, end.energy, end.is_minimum, end.iterations, end.state)
     strains, energies = shell.strains(end.state), energies_by_part(shell, end.state)
@@ -248,12 +248,6 @@ def _rank(result: ShellEquilibrium) -> tuple[bool, bool, float]:
     return not result.is_minimum, not result.converged, energy
 
 
-GUARD_VECTORS = 1  # further vectors in every block, for multiple eigenvalues
-EIGENVALUE_TOLERANCE = 1e-5  # relative change between blocks; the change after it is about its square
-MAX_BLOCKS = 60  # usually fewer than ten; rounding errors can prevent convergence
-ZERO_LENGTH_SQUARED = 1e-20  # of a vector that consists of rounding errors, over that of a unit vector
-
-
 class MassOperator(Protocol):
     """A symmetric positive definite matrix, or an operator that acts like one."""
 
@@ -290,13 +284,16 @@ def softest_modes(mass: MassOperator, factor: Factor, rigid: Floats, count: int)
     count = min(count, size - motions)
     if count < 1:
         return np.empty(0), np.empty((size, 0))
-    block = _unit(np.random.default_rng(0).standard_normal((size, count + GUARD_VECTORS)))
-    zero = ZERO_LENGTH_SQUARED * float((block * (mass @ block)).sum(axis=0).max())
+    # further vectors in every block, for multiple eigenvalues
+    block = _unit(np.random.default_rng(0).standard_normal((size, count + 1)))
+    # squared length of a vector that consists of rounding errors, over that of a unit vector
+    zero = 1e-20 * float((block * (mass @ block)).sum(axis=0).max())
     # vectors v with v M v = 1, the rigid motions first; their images M v; and the displacements H^-1 M v
     vectors, images = _orthonormal(rigid, mass @ rigid, zero)
     solved = np.empty((size, 0))
     values, turn = np.empty(0), np.empty((0, 0))
-    for _ in range(MAX_BLOCKS):
+    # usually fewer than ten; rounding errors can prevent convergence
+    for _ in range(60):
         block = _unit(block)
         for _ in range(2):  # one projection leaves too much of nearly parallel vectors
             block = block - vectors @ (images.T @ block)
@@ -310,7 +307,8 @@ def softest_modes(mass: MassOperator, factor: Factor, rigid: Floats, count: int)
         previous = values
         inverse, turn = np.linalg.eigh(images[:, motions:].T @ solved)
         values, turn = 1.0 / inverse[: -count - 1 : -1], turn[:, : -count - 1 : -1]
-        if len(values) == len(previous) and np.abs(values - previous).max() <= EIGENVALUE_TOLERANCE * abs(values[-1]):
+        # relative change between blocks; the change after it is about its square
+        if len(values) == len(previous) and np.abs(values - previous).max() <= 1e-5 * abs(values[-1]):
             break
     return values, np.asarray(vectors[:, motions:] @ turn)
 

@@ -37,8 +37,6 @@ from asterism.fem.elements.argyris import Argyris
 from asterism.fem.elements.deformation import Deformation, flat
 
 VERTEX_TOLERANCE_MM = 1e-6  # mm, largest distance of a mesh vertex from the point that it stands for
-# 1: residual of redundant equations over the extent of the sheet, beyond which supports contradict each other
-CONTRADICTION_TOLERANCE = 1e-7
 # points (n, 2), middles (n, 2) of their mesh edges and tangents (n, 2) to shifts and derivatives (n, 3, 3)
 EdgeShift = Callable[[Floats, Floats, Floats], Floats]
 MIN_COEFFICIENT = 1e-10  # 1: over the largest coefficient of an equation; smaller ones are rounding and dropped
@@ -157,7 +155,8 @@ def impose_conditions(space: Argyris, conditions: Sequence[Condition]) -> Reduct
     rows = Rows.joined(parts)
     extent = float(np.ptp(space.mesh.p, axis=1).max())
     try:
-        solved = eliminate(rows.matrix(space), rows.right, CONTRADICTION_TOLERANCE * extent)
+        # residual of redundant equations over the extent of the sheet, beyond which supports contradict each other
+        solved = eliminate(rows.matrix(space), rows.right, 1e-7 * extent)
     except Contradiction as error:
         x, y = rows.points[error.row]
         others = sorted({name for name in names if name != names[error.row]})
@@ -411,7 +410,6 @@ def _bend(points: Floats, neighbours: dict[int, list[int]], start: int, vertex: 
 
 
 COEFFICIENT_DIGITS = 10  # decimals of coefficients scaled to a maximum of 1; equal blocks are then solved once
-MIN_PIVOT = 1e-9  # over the largest pivot; a smaller one belongs to a redundant equation
 
 
 @dataclass(frozen=True)
@@ -527,7 +525,8 @@ class _Solved:
 def _solve(block: Floats) -> _Solved:
     """Solve a block by QR with column pivoting."""
     q, r, order = qr(block, mode="economic", pivoting=True, check_finite=False)
-    rank = int(np.sum(np.abs(np.diag(r)) > MIN_PIVOT * abs(r[0, 0])))
+    # a smaller pivot, over the largest one, belongs to a redundant equation
+    rank = int(np.sum(np.abs(np.diag(r)) > 1e-9 * abs(r[0, 0])))
     q = q[:, :rank]
     solved = np.linalg.solve(r[:rank, :rank], np.hstack([q.T, -r[:rank, rank:]]))
     given, weights = solved[:, : len(block)], solved[:, len(block) :]

@@ -28,8 +28,6 @@ from asterism.pattern.geometry.planar import mean_circumcentres, triangle_angles
 TOUCHING_TOLERANCE = 1e-6
 # of the edge: points move by so much, to choose one of several Delaunay triangulations
 TIE_BREAK_RATIO = 1e-6
-# margin around the cell from which images come, in edges
-MARGIN_EDGES = 4.0
 # a cell and the eight around it, as numbers of lattice vectors; the cell itself is in the middle
 CELLS_AROUND = np.array([[i, j] for i in (-1, 0, 1) for j in (-1, 0, 1)])
 
@@ -257,7 +255,8 @@ def periodic_delaunay(
     base = np.tile(np.arange(len(points)), len(CELLS_AROUND))
     image = np.repeat(CELLS_AROUND, len(points), axis=0)
     copies = points[base] + image @ vectors
-    margin = MARGIN_EDGES * edge_mm * np.linalg.norm(inverse, axis=0)
+    # margin around the cell from which images come, in edges
+    margin = 4.0 * edge_mm * np.linalg.norm(inverse, axis=0)
     near = (np.abs(copies @ inverse - 0.5) < 0.5 + margin).all(axis=1)
     base, image, copies = base[near], image[near], copies[near]
     simplices = Delaunay(copies + tie[base]).simplices

@@ -23,10 +23,6 @@ from asterism.pattern.rods.curves import check_holes, hole_rings, polyline, show
 from asterism.pattern.rods.graph import CORNER_DEG, Rod, RodGraph, apart_by_face, close_rods, place_between
 
 MAX_COPIES = 20_000
-# mm: sections that vary over the sheet are evaluated at points this close along a rod
-SECTION_STEP_MM = 1.0
-# 1: distance of two nodes over the least width of a line, below which they print as one
-MERGED_WIDTHS = 0.5
 MAX_RODS = 20_000
 # rods that meet at a smaller angle print as one, and the mesh has no good triangles between them
 MIN_ROD_ANGLE_DEG = 20.0
@@ -125,7 +121,8 @@ def graph_of_lines(lines: list[PlacedLine], rods: Rods) -> tuple[RodGraph, list[
     DesignError
         The lines cannot be printed. The message names them and the place.
     """
-    merge = MERGED_WIDTHS * min(float(rod_of_piece(each, each.points, 0, 0, rods).width.min()) for each in lines)
+    # distance of two nodes over the least width of a line, below which they print as one
+    merge = 0.5 * min(float(rod_of_piece(each, each.points, 0, 0, rods).width.min()) for each in lines)
     names = [each.name for each in lines]
     nodes, pieces = cut_lines([each.points for each in lines], rods.join_mm, max(merge, rods.join_mm), names)
     made = (rod_of_piece(lines[piece.line], piece.points, piece.start, piece.end, rods) for piece in pieces)
@@ -207,7 +204,8 @@ def rod_of_piece(drawn: PlacedLine, points: Floats, start: int, end: int, rods: 
     thickness = rods.thickness_mm if line.thickness_mm is None else line.thickness_mm
     width = rods.width_mm if line.width_mm is None else line.width_mm
     if isinstance(thickness, Profile) or isinstance(width, Profile):
-        points = shapely.get_coordinates(shapely.segmentize(shapely.LineString(points), SECTION_STEP_MM))
+        # mm: sections that vary over the sheet are evaluated at points this close along a rod
+        points = shapely.get_coordinates(shapely.segmentize(shapely.LineString(points), 1.0))
     thicknesses = _sizes(thickness, points, THICKNESS_RANGE_MM, "thickness_mm", drawn, rods)
     widths = _sizes(width, points, WIDTH_RANGE_MM, "width_mm", drawn, rods)
     if (rounding := rods.rounding) is not None:

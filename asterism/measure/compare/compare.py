@@ -42,8 +42,6 @@ from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import surface_triangle_areas
 from asterism.shape.vtu import folder_of, read_shape
 
-# random points in a half plane: distance of the nearest point from a place on the rim, over the spacing of the points
-_INSIDE_SPACINGS = 2.0 * np.sqrt(2.0) / np.pi
 # largest distance from the middle of the fabric to the scanned side
 _MAX_LIFT_MM = 2.0
 
@@ -93,7 +91,9 @@ def _fit(
     rng = np.random.default_rng(0)
     some = points[rng.choice(len(points), min(len(points), 3000), replace=False)]
     tree = cKDTree(points)
-    inside = _INSIDE_SPACINGS * float(np.median(tree.query(some, k=2)[0][:, 1]))
+    # random points in a half plane: distance of the nearest point from a place on the rim, over the spacing of the
+    # points
+    inside = (2.0 * np.sqrt(2.0) / np.pi) * float(np.median(tree.query(some, k=2)[0][:, 1]))
     size = float(np.linalg.norm(np.ptp(places, axis=0)))
     motion, shift, factor, raised = np.eye(3), np.zeros(3), 1.0, 0.0
     for _ in range(30):

@@ -163,10 +163,6 @@ def roll_axis(fields: Fields, at: StarPlaces) -> Fields:
 # border distances in spacings at which an arm carries nothing, without room ahead, and all, with room for a whole cell
 RIM_ARM_START = 0.5
 RIM_ARM_FULL = 1.5
-# an arm is a last one if the next star is further away by this, in spacings; origin unknown
-LAST_ARM_MARGIN = 0.3
-# spacings; a side is supported by points nearer to it than this; origin unknown
-RIM_PIN_DISTANCE = 0.5
 
 
 def rim_arms(fields: Fields, at: StarPlaces) -> Fields:
@@ -238,7 +234,8 @@ def _are_last_arms(layout: Layout, direction: Floats) -> Bools:
     steps = np.stack(np.meshgrid(*[np.arange(-3, 4)] * 2, indexing="ij"), axis=-1).reshape(-1, 2)
     sites = cKDTree(steps[steps.any(axis=1)] @ layout.lattice_vectors)
     to_star = cKDTree(layout.centres).query(layout.centres + ahead)[0]
-    return np.asarray(to_star > sites.query(ahead)[0] + LAST_ARM_MARGIN * layout.spacing_mm)
+    # an arm is a last one if the next star is further away by this, in spacings; origin unknown
+    return np.asarray(to_star > sites.query(ahead)[0] + 0.3 * layout.spacing_mm)
 
 
 def free_normals(layout: Layout, points: Floats) -> Floats:
@@ -255,7 +252,8 @@ def free_normals(layout: Layout, points: Floats) -> Floats:
     normal[layout.supported_edges] = 0.0
     pins = layout.in_plane_pin_points
     if len(pins) > 1:
-        near = RIM_PIN_DISTANCE * layout.spacing_mm
+        # spacings; a side is supported by points nearer to it than this; origin unknown
+        near = 0.5 * layout.spacing_mm
         held = (distance_to_segment(pins[:, None], start, end) < near).any(axis=0)
         side = edges.straight_sides
         normal[np.isin(side, side[held])] = 0.0
@@ -285,10 +283,6 @@ def hole_sites(layout: Layout) -> Floats:
     away = np.min([distance_to_outline(places, ring) for ring in layout.edges.rings], axis=0)
     rim = ~layout.is_on_sheet(places) | (away < near)
     return np.asarray(places[~np.isin(region, region[rim])])
-
-
-# largest Gaussian modulus, as a share of the one at which the bending energy becomes indefinite
-MAX_GAUSSIAN_SHARE = 0.95
 
 
 def self_stress(fields: Fields, at: StarPlaces) -> Fields:
@@ -322,7 +316,8 @@ def self_stress(fields: Fields, at: StarPlaces) -> Fields:
     share = np.minimum(stars_share(at.weights), 1.0)
     saved = (share * (at.weights @ moduli)).reshape(at.shape)
     most = -gaussian_limits(np.asarray(fields.density.stiffness)[..., 3:, 3:])[0]
-    return replace(fields, gaussian=-np.minimum(saved, MAX_GAUSSIAN_SHARE * most))
+    # largest Gaussian modulus, as a share of the one at which the bending energy becomes indefinite
+    return replace(fields, gaussian=-np.minimum(saved, 0.95 * most))
 
 
 def gaussian_moduli(values: StarValues, spacing: float, model: PreviewModel = PREVIEW_MODEL) -> Floats:
