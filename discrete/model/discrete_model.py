@@ -143,7 +143,7 @@ class DiscreteModel(System):
             "rod_twist": RodTwist(inputs, dofs, twist_params(net, points, modulus, plastic.poisson, w, h)),
         }
         if len(self.joints.vertices):
-            params = joint_params(self.joints, net, points, modulus, plastic.poisson, w, h, no_rest)
+            params = joint_params(self.joints, points, modulus, plastic.poisson, w, h, no_rest)
             parts["rod_joints"] = RodJoint(*joint_inputs(self.joints, len(points), len(net.edges)), params)
         return parts
 

@@ -69,9 +69,9 @@ class Reconstruction:
         self._b, self._weight = gradients.copy(), weight.copy()
         self._edge_weight = edge_weight
         self._held = held
-        self._components = self._factorise(len(held))
+        self._components = self._factorise()
 
-    def _factorise(self, n: int) -> list[tuple[Array, Array, Factor]]:
+    def _factorise(self) -> list[tuple[Array, Array, Factor]]:
         """A Laplacian for each distinct set of held vertices along x, y and z: axes, free vertices, factor."""
         groups: dict[bytes, list[int]] = {}
         for c in range(3):

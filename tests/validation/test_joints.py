@@ -82,7 +82,7 @@ def frame(name: str, edges: int, held: bool = True, kappa: float = 0.0) -> Frame
         "stretch": RodStretch(edge_dofs, edge_dofs, stretch_params(network, printed, e, w, h)),
         "bend": RodBend(*stencils, bend_params(network, printed, e, w, h, rest)),
         "twist": RodTwist(*stencils, twist_params(network, printed, e, nu, w, h)),
-        "joint": RodJoint(*joint_inputs(joints, n, len(w)), joint_params(joints, network, printed, e, nu, w, h, rest)),
+        "joint": RodJoint(*joint_inputs(joints, n, len(w)), joint_params(joints, printed, e, nu, w, h, rest)),
     }
     fixed = np.zeros(3 * n + len(w) + 3, dtype=bool)
     if held:
