@@ -232,7 +232,8 @@ def sweep(
     from asterism.process.progress_line import CountLine
     from asterism.results.files import check_folder
     from asterism.sweeps.parameters import SweepParameter
-    from asterism.sweeps.sweep import check_model, sampled, sweep_cost, sweep_design, sweep_parameters, write_sweep
+    from asterism.sweeps.solve_point import sweep_cost
+    from asterism.sweeps.sweep import check_model, sampled, sweep_design, sweep_parameters, write_sweep
 
     check_workers(jobs, dask)
     if exact and law is not None:
