@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 
 from asterism.discrete.energies.bending.fabric_bending import FABRIC_BENDING, BendingMesh
 from asterism.discrete.energies.elements import Elements
-from asterism.discrete.energies.membrane import Membrane
+from asterism.discrete.energies.membrane import Membrane, SideMembrane, flat_share
 from asterism.discrete.energies.rods.joint import RodJoint
 from asterism.discrete.energies.rods.network import (
     JointNetwork,
@@ -27,7 +27,6 @@ from asterism.discrete.energies.rods.network import (
     twist_params,
 )
 from asterism.discrete.energies.rods.rod import RodBend, RodStretch, RodTwist
-from asterism.discrete.energies.side_membrane import SideMembrane, flat_share
 from asterism.discrete.model.reconstruction import Reconstruction
 from asterism.discrete.model.state import State, moved_state
 from asterism.discrete.model.system import System
