@@ -26,18 +26,18 @@ if TYPE_CHECKING:
     from asterism.equilibrium.errors import Error as Error
     from asterism.exact.spread import spread as spread
     from asterism.fitting.fit import Fit as Fit
-    from asterism.fitting.fit import fit as fit
-    from asterism.fitting.load_target import load_target as load_target
+    from asterism.fitting.run import fit as fit
     from asterism.fitting.settings import FitSettings as FitSettings
     from asterism.fitting.solve_for import sensitivity as sensitivity
     from asterism.fitting.solve_for import solve_for as solve_for
     from asterism.fitting.solve_for import solve_for_point as solve_for_point
     from asterism.fitting.target import TargetSurface as TargetSurface
+    from asterism.fitting.target import load_target as load_target
     from asterism.homogenize.law.law import Law as Law
     from asterism.homogenize.law.law_file import load_law as load_law
     from asterism.homogenize.law.material import load_material as load_material
     from asterism.laws.calibrate import calibrate as calibrate
-    from asterism.laws.law_text import show_law as show_law
+    from asterism.laws.show_law import show_law as show_law
     from asterism.measure.compare.compare import compare as compare
     from asterism.measure.compare.compare import write_comparison as write_comparison
     from asterism.measure.strips.fit_strips import fit_strips as fit_strips
@@ -87,12 +87,12 @@ _HOMES = {
     "compare": "asterism.measure.compare.compare:compare",
     "compare_designs": "asterism.reports.compare_designs:compare_designs",
     "export": "asterism.print.export:export",
-    "fit": "asterism.fitting.fit:fit",
+    "fit": "asterism.fitting.run:fit",
     "fit_strips": "asterism.measure.strips.fit_strips:fit_strips",
     "load_design": "asterism.pattern.layout.build:load_design",
     "load_law": "asterism.homogenize.law.law_file:load_law",
     "load_material": "asterism.homogenize.law.material:load_material",
-    "load_target": "asterism.fitting.load_target:load_target",
+    "load_target": "asterism.fitting.target:load_target",
     "new": "asterism.pattern.gallery:load",
     "new_strips": "asterism.measure.strips.new_strips:new_strips",
     "preview": "asterism.previews.session:preview",
@@ -101,7 +101,7 @@ _HOMES = {
     "save_design": "asterism.pattern.design.design:save_design",
     "sensitivity": "asterism.fitting.solve_for:sensitivity",
     "show": "asterism.notebook.show:show",
-    "show_law": "asterism.laws.law_text:show_law",
+    "show_law": "asterism.laws.show_law:show_law",
     "simulate": "asterism.verification.both_starts:simulate",
     "solve_for": "asterism.fitting.solve_for:solve_for",
     "solve_for_point": "asterism.fitting.solve_for:solve_for_point",

@@ -27,8 +27,9 @@ from asterism.equilibrium.arrays import Floats, Ints
 from asterism.exact.simulation import exact_shape
 from asterism.fitting.errors import ReachError
 from asterism.fitting.first_guess import guess_design
-from asterism.fitting.fit import Fit, fit
+from asterism.fitting.fit import Fit
 from asterism.fitting.residual import FitPlaces, Residual, target_distance
+from asterism.fitting.run import fit
 from asterism.fitting.settings import FitSettings
 from asterism.fitting.target import TargetSurface
 from asterism.pattern.layout.build import layout

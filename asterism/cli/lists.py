@@ -146,7 +146,7 @@ def calibrate(
     from asterism.homogenize.campaign.workers import default_jobs
     from asterism.laws import calibrate as calibration
     from asterism.laws.design_law import is_design, law_output_path, plan_from_file
-    from asterism.laws.law_text import law_lines
+    from asterism.laws.show_law import law_lines
     from asterism.pattern.design.errors import DesignError
 
     path = law_output_path(file, output, material)
@@ -177,7 +177,7 @@ def show(
 ) -> None:
     """Print a law and its errors as tables, and draw it in law.png."""
     from asterism.homogenize.law.law_file import PAPER_LAW, load_law
-    from asterism.laws.law_text import held_out_warning, show_law
+    from asterism.laws.show_law import held_out_warning, show_law
 
     lines = show_law(path, output)
     doubt = held_out_warning(load_law(path or PAPER_LAW))

@@ -231,8 +231,8 @@ def sweep(
     from asterism.laws.replace_material import read_design
     from asterism.process.progress_line import CountLine
     from asterism.results.files import check_folder
-    from asterism.sweeps.cost import sweep_cost
     from asterism.sweeps.parameters import SweepParameter
+    from asterism.sweeps.solve_point import sweep_cost
     from asterism.sweeps.sweep import check_model, sampled, sweep_design, sweep_parameters, write_sweep
 
     check_workers(jobs, dask)
@@ -314,8 +314,8 @@ def fit(
     is no minimum. If the command is interrupted, it writes the best design until then, and the exit status is 130.
     """
     from asterism.fitting.fit import FitInterrupted
-    from asterism.fitting.fit import fit as compute
-    from asterism.fitting.load_target import load_target
+    from asterism.fitting.run import fit as compute
+    from asterism.fitting.target import load_target
     from asterism.homogenize.law.law_file import load_law
     from asterism.homogenize.law.motif_law import MotifLaw
     from asterism.pattern.design.files import table_text

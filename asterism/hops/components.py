@@ -29,10 +29,6 @@ from asterism.studio.file_names import check_files, file_below
 
 # designs whose previews are kept
 KEPT_PREVIEWS = 4
-# wall time of the search of a preview: Hops waits for 100 s
-PREVIEW_SECONDS = 90.0
-# mm: corners of an outline that are nearer to the line between their neighbours are left out
-OUTLINE_MM = 0.05
 MAX_DESIGN_CHARACTERS = 5_000_000
 FOLLOWED = "the sheet followed from its last form; search = true looks for forms of lower energy"
 
@@ -71,7 +67,8 @@ class Work:
         key = json.dumps({name: value for name, value in table.items() if name != "stars"}, sort_keys=True)
         kept = self._previews.pop(key, None)
         if kept is None or anew:
-            kept = Preview(design, check=self.check, max_seconds=PREVIEW_SECONDS)
+            # wall time of the search of a preview: Hops waits for 100 s
+            kept = Preview(design, check=self.check, max_seconds=90.0)
         try:
             return kept.shape() if kept.design == design else kept.update(design)
         finally:
@@ -114,7 +111,8 @@ def _outline_of(corners: Floats, name: str) -> list[list[float]]:
         ring = closed(corners)
     except InputError as error:
         raise InputError(f"{name}: {error}") from None
-    return shapely.get_coordinates(shapely.LinearRing(ring).simplify(OUTLINE_MM))[:-1].round(6).tolist()
+    # mm: corners of an outline that are nearer to the line between their neighbours are left out
+    return shapely.get_coordinates(shapely.LinearRing(ring).simplify(0.05))[:-1].round(6).tolist()
 
 
 def _base(values: Values) -> dict[str, Any]:
@@ -201,7 +199,7 @@ def _exact(work: Work, values: Values) -> Answer:
 
 
 def _fit(work: Work, values: Values) -> Answer:
-    from asterism.fitting.fit import fit
+    from asterism.fitting.run import fit
     from asterism.fitting.settings import FitSettings
     from asterism.fitting.target import TargetSurface
 

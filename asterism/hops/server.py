@@ -24,8 +24,6 @@ from asterism.process.local_server import LOOPBACK, Guard, Scope, bound, host_na
 MAX_REQUEST_BYTES = 16_000_000
 # requests that may wait at the same time
 MAX_WAITING = 200
-# Hops sends its key in this header
-KEY_HEADER = "rhinocomputekey"
 ICON = (
     '<svg xmlns="http://www.w3.org/2000/svg" width="24" height="24" viewBox="0 0 24 24">'
     '<path d="M12 12 12 3M12 12 4 17M12 12 20 17" stroke="#e64a19" stroke-width="3" stroke-linecap="round"/></svg>'
@@ -57,7 +55,8 @@ class HopsGuard(Guard):
             return status
         if scope["method"] != "POST":
             return None
-        if self._key is not None and not hmac.compare_digest(headers.get(KEY_HEADER, "").encode(), self._key):
+        # Hops sends its key in this header
+        if self._key is not None and not hmac.compare_digest(headers.get("rhinocomputekey", "").encode(), self._key):
             return 401
         is_json = headers.get("content-type", "").partition(";")[0].strip().lower() == "application/json"
         return None if is_json else 415

@@ -10,12 +10,12 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any, TextIO
 
-from asterism.homogenize.campaign.campaign import SampleRecord, SolveCell, run_campaign
+from asterism.homogenize.campaign.campaign import SolveCell, run_campaign
 from asterism.homogenize.campaign.fit_law import fit_law
 from asterism.homogenize.campaign.kept_samples import cells_folder, code_version
 from asterism.homogenize.law.law_file import law_bytes
 from asterism.homogenize.law.motif_law import MotifLaw
-from asterism.homogenize.law.plan import LawPlan, without_law
+from asterism.homogenize.law.plan import LawPlan, SampleRecord, without_law
 from asterism.homogenize.law.star_law import StarLaw
 from asterism.process.progress_line import CountLine
 from asterism.process.version import __version__

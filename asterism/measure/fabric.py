@@ -186,8 +186,6 @@ def read_overhangs(path: Path) -> list[float]:
 
 FORM_FILES = ("overhangs.csv", "overhangs.pdf")
 STRIPS = 4
-# size of each strip
-STRIP_MM = (25.0, 200.0)
 SLOPE_PEN = DrawingLayer("slope", "#c8553d", 0.3)
 # horizontal side of the printed slope
 _SLOPE_MM = 100.0
@@ -226,7 +224,7 @@ def write_overhang_form(directory: str | Path) -> tuple[str, ...]:
 
 def _steps() -> list[str]:
     """The instructions, line by line."""
-    width, length = STRIP_MM
+    width, length = 25.0, 200.0  # mm, of each strip
     steps = [
         f"1. Cut {STRIPS} strips of {width:g} x {length:g} mm of the released fabric, two along and two across. Do not "
         "stretch them. Let them lie flat for a day; a strip that curls by itself does not count.",

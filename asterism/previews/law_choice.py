@@ -12,7 +12,7 @@ from asterism.homogenize.errors import CampaignError, LawError
 from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.law_file import load_law
 from asterism.homogenize.law.motif_law import MotifLaw, problem_of_motif
-from asterism.homogenize.law.plan import Sizes, without_law
+from asterism.homogenize.law.plan import SampleRecord, Sizes, without_law
 from asterism.homogenize.law.star_law import StarLaw
 from asterism.pattern.design.design import Design, leading_field
 from asterism.pattern.design.files import file_identity
@@ -21,7 +21,7 @@ from asterism.pattern.layout.layout import Layout
 from asterism.process.listeners import Say, ignore_line
 
 if TYPE_CHECKING:
-    from asterism.homogenize.campaign.campaign import SampleRecord, SolveCell
+    from asterism.homogenize.campaign.campaign import SolveCell
     from asterism.homogenize.campaign.workers import CampaignProgress
 
 EXACT_ADVICE = "use the exact model: asterism simulate"

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-# parts of the shape that is shown (`star_lens.py`); the others are the corrections of `fields/sheet_fields.py`
+# parts of the shape that is shown (`sheet.StarLens`); the others are the corrections of `fields/sheet_fields.py`
 BUMPS, KEPT_ARMS = "bumps", "arms that keep their length"
 
 
@@ -31,8 +31,8 @@ class PreviewModel:
         free caps. Flat sheets give 1/100 to 1/59.
     smoothing_per_arm : width of the Gaussian over the length of the arms (`fields/star_cells.py`); fitted on random-10,
         random-04, random-44, fig8-h-increasing.
-    rim_arm_among : share that an arm carries into a free rim if it leads to another star (`fields/rim_arms.py`); fitted
-        on 42 free sheets; 100x40, 100x85, tube.
+    rim_arm_among : share that an arm carries into a free rim if it leads to another star (`sheet_fields.rim_arms`);
+        fitted on 42 free sheets; 100x40, 100x85, tube.
     """
 
     off: tuple[str, ...] = ()

@@ -48,26 +48,12 @@ from asterism.pattern.geometry.rigid_fit import rigid_fit
 
 # two minima count as one form if their energies differ by less than this share
 EQUAL_ENERGY = 1e-3
-# smaller and negative eigenvalues are replaced by this one
-MIN_STIFFNESS_N_MM3 = 1e-12
 # % of the diameter: with a larger second amplitude the search tries further initial guesses; chosen by hand
 SECOND_AMPLITUDE_PERCENT = 18.0
 # the same for supported sheets, which are perturbed; chosen by hand
 PERTURBED_AMPLITUDE_PERCENT = 10.0
-# largest change of a degree of freedom in the perturbation, over the size of the sheet
-PERTURBATION = 0.04
 # sheets with a smaller ratio of supported size to natural size may buckle
 MIN_SIZE_RATIO = 0.95
-# about this many arcs are initial guesses for a narrow sheet
-ARC_GUESSES = 3
-# iterations for each guess of a narrow soft sheet: arcs take up to this many there
-SOFT_ITERATIONS = 30
-# an inverted sheet rises above its supports by less than this share of its depth below them
-MAX_RISE_SHARE = 0.1
-# a free sheet of equal stars whose natural turn from side to side is larger is a tube; caps are not tried
-MIN_TUBE_TURN_RAD = 3.0
-# curvatures of the caps that are tried, over the curvature of the last cap among the guesses
-CAP_CURVATURES = (1.0, 0.7)
 # kinds of initial guesses with an axis; caps are the others that are not flat
 ROLLED = {"arc", "bent", "saddle"}
 
@@ -78,7 +64,8 @@ def is_equilibrium_near_another(
     """Whether a sheet with a diameter of about `size` mm has two modes with amplitudes above `percent`."""
     if len(equilibrium.soft_modes) < 2:
         return False
-    stiffness = max(np.sort(equilibrium.soft_modes)[1], MIN_STIFFNESS_N_MM3)
+    # smaller and negative eigenvalues are replaced by this one
+    stiffness = max(np.sort(equilibrium.soft_modes)[1], 1e-12)
     area = float(shell.assembly.weights.sum())
     return bool(100.0 / size * np.sqrt(2.0 * equilibrium.absolute_energy / (stiffness * area)) > percent)
 
@@ -91,7 +78,8 @@ def is_narrow(means: MeanFields) -> bool:
 def is_inverted(shell: Shell, x: Floats, side: Side) -> bool:
     """Whether a supported sheet x (N, 3) lies completely on the wrong side of its supports for the given side."""
     heights = (shell.node_positions(x)[:, 2] - shell.support_level[2]) * (1.0 if side == "down" else -1.0)
-    return bool(heights.min() < -FLAT_SAG_MM and heights.max() < MAX_RISE_SHARE * -heights.min())
+    # an inverted sheet rises above its supports by less than this share of its depth below them
+    return bool(heights.min() < -FLAT_SAG_MM and heights.max() < 0.1 * -heights.min())
 
 
 @dataclass(frozen=True)
@@ -166,7 +154,8 @@ class _Search:
         """The lowest minimum; the guesses are on the requested side, but may lead to the other one."""
         shell, means, natural_size = self.shell, self.means, self.means.stretch * self.shell.extent
         if len(shell.fixed_points) == 0:
-            if self.traits.has_equal_stars and abs(means.curvature) * natural_size > MIN_TUBE_TURN_RAD:
+            # a free sheet of equal stars whose natural turn from side to side is larger is a tube; caps are not tried
+            if self.traits.has_equal_stars and abs(means.curvature) * natural_size > 3.0:
                 tube = self.relax(self.guesses("arc", "flat"), max_guesses=1)
                 if tube.is_minimum:
                     return tube
@@ -191,7 +180,8 @@ class _Search:
         offers: list[list[SimpleShape]] = []
         caps = self.guesses("cap")
         if self.traits.has_tight_curls and caps and "cap" not in tried:
-            offers = [[replace(caps[-1], curvature=share * caps[-1].curvature)] for share in CAP_CURVATURES]
+            # curvatures of the caps that are tried, over the curvature of the last cap among the guesses
+            offers = [[replace(caps[-1], curvature=share * caps[-1].curvature)] for share in (1.0, 0.7)]
         elif len(self.traits.turns) <= 1 and is_equilibrium_near_another(self.shell, equilibrium, natural_size):
             rest = [shape for shape in self.guesses() if shape.name not in tried]
             # by the direction of the axis, in three sectors of 60 degrees; caps are in the first one
@@ -212,7 +202,8 @@ class _Search:
         """The lowest of a minimum and of those that a perturbation along its softest mode leads to, both ways."""
         shell = self.shell
         mode = softest_shell_modes(shell, equilibrium.x, self.factor, 1)[1][:, 0]
-        step = PERTURBATION * shell.extent / np.abs(shell.move(np.zeros_like(equilibrium.x), mode)).max() * mode
+        # largest change of a degree of freedom in the perturbation, over the size of the sheet
+        step = 0.04 * shell.extent / np.abs(shell.move(np.zeros_like(equilibrium.x), mode)).max() * mode
         starts = [(shell.move(equilibrium.x, sign * step), "pushed") for sign in (1.0, -1.0)]
         return self._lowest(equilibrium, self._followed(equilibrium, starts, patient=True))
 
@@ -227,11 +218,13 @@ class _Search:
         if is_soft:
             caps = sorted(caps, key=lambda shape: abs(shape.curvature))[-1:]
             arcs = [shape for shape in arcs if replace(shape, angle=arcs[0].angle) == arcs[0]]
-        tried = caps + arcs[:: max(len(arcs) // ARC_GUESSES, 1)]
+        # about this many arcs are initial guesses for a narrow sheet
+        tried = caps + arcs[:: max(len(arcs) // 3, 1)]
         relaxed, most = [builder.relax_in_plane(builder.bend(shape)) for shape in tried], MAX_FURTHER_ITERATIONS
         if is_soft:
             relaxed.sort(key=lambda guess: guess.energy)
-            limit, most = (MAX_ENERGY_RATIO - 1.0) * abs(relaxed[0].energy), SOFT_ITERATIONS
+            # iterations for each guess of a narrow soft sheet: arcs take up to this many there
+            limit, most = (MAX_ENERGY_RATIO - 1.0) * abs(relaxed[0].energy), 30
             relaxed = [guess for guess in relaxed if guess.energy - relaxed[0].energy <= limit]
         starts = ((guess.x, guess.shape.name) for guess in relaxed)
         others = self._followed(equilibrium, starts, patient=False, max_iterations=most)
@@ -264,8 +257,6 @@ class _Search:
 
 # number of steps in which supported degrees of freedom move to their places
 SUPPORT_STEPS = 6
-# name of the start of the resulting equilibrium
-SUPPORT_START = "pins take hold"
 
 
 def apply_supports(shell: Shell, factor: Factor, x: Floats, was_free: bool) -> ShellEquilibrium:
@@ -280,7 +271,7 @@ def apply_supports(shell: Shell, factor: Factor, x: Floats, was_free: bool) -> S
     for step in range(1, SUPPORT_STEPS + 1):
         share = step / SUPPORT_STEPS
         moved = shell.with_target((1.0 - share) * start + share * target)
-        equilibrium = follow(moved, moved.constrain(x), factor, SUPPORT_START)
+        equilibrium = follow(moved, moved.constrain(x), factor, "pins take hold")
         x = equilibrium.x
     return equilibrium
 

@@ -113,8 +113,6 @@ class Stage:
     x: Floats
 
 
-# from this number of triangles on, a message announces a long computation: some sheets take hundreds of iterations
-PATIENCE_TRIANGLES = 300
 # largest number of triangles that the caller may give, which limits the memory
 MAX_ASKED_TRIANGLES = 10_000
 OTHER_SIDE: dict[Side, Side] = {"down": "up", "up": "down"}
@@ -452,7 +450,9 @@ class Preview:
         """The state of a sheet from guesses."""
         count, rods, stars = sheet.space.mesh.nelements, len(sheet.layout.graph.rods), len(sheet.layout.centres)
         pattern = f"{stars} star{'s' * (stars > 1)}" if stars else f"{rods} rod{'s' * (rods > 1)}"
-        patience = ": this may take a minute" if count > PATIENCE_TRIANGLES else ""
+        # from this number of triangles on, a message announces a long computation: some sheets take hundreds of
+        # iterations
+        patience = ": this may take a minute" if count > 300 else ""
         self._say(f"{pattern} on {count} triangles{patience}")
         state = PreviewState.from_guesses(sheet, side, self._clock, self._watch)
         keep_print(sheet)

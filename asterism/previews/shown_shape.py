@@ -114,10 +114,6 @@ def _parts_along(lines: Sequence[Floats]) -> tuple[Ints, Floats]:
     return number, (length - length[first][number]) / total[number]
 
 
-# axes that differ by a smaller angle count as one
-EQUAL_AXES_DEG = 2.0
-
-
 def summary(state: PreviewState, shape: Shape, seconds: dict[str, float]) -> PreviewRecord:
     """The record of a preview's shape. Keys that it shares with the record of an exact shape have the same meaning."""
     equilibrium, layout, error = state.equilibrium, state.layout, expected_error(state)
@@ -179,7 +175,8 @@ def equivalent_axes_deg(state: PreviewState, axis_deg: float | None) -> list[flo
     for symmetry in state.sheet.symmetries:
         x, y = symmetry.turn @ along
         image = float(np.degrees(np.arctan2(y, x)) % 180.0)
-        if all(abs((image - known + 90.0) % 180.0 - 90.0) > EQUAL_AXES_DEG for known in axes):
+        # axes that differ by a smaller angle count as one
+        if all(abs((image - known + 90.0) % 180.0 - 90.0) > 2.0 for known in axes):
             axes.append(image)
     return sorted(axes)
 
@@ -237,10 +234,6 @@ def expected_error(state: PreviewState) -> ExpectedError | None:
     return HELD_FEW if stars <= FEW_STARS else HELD_MANY
 
 
-# supported points that are closer together in print, in spacings, are one point
-MIN_SUPPORT_DISTANCE = 1e-3
-
-
 def overstretched_stars(shape: Shape, design: Design, layout: Layout) -> Ints:
     """Numbers of the stars around which a shape is longer than its fabric can be; none if the sheet has weight."""
     if design.gravity.on or not layout.has_stars:
@@ -291,7 +284,8 @@ def support_ratio(layout: Layout) -> float:
     if held.sum() < 2:
         return 0.0
     in_print, in_space = pdist(printed[held]), pdist(np.nan_to_num(places[held]))
-    apart = in_print > MIN_SUPPORT_DISTANCE * layout.spacing_mm
+    # supported points that are closer together in print, in spacings, are one point
+    apart = in_print > 1e-3 * layout.spacing_mm
     return float((in_space[apart] / in_print[apart]).max(initial=0.0))
 
 

@@ -262,23 +262,19 @@ class WatchedFactor:
         self.factor.close()
 
 
-# sheets with fewer stars or sites have no list of other forms, because these points cannot distinguish them
-MIN_STARS = 3
-# two minima have the same form if the rms distance of these points, in % of the diameter, is at most this
-EQUAL_FORM_PERCENT = 2.0
-
-
 def other_forms(state: PreviewState) -> list[tuple[OtherFormRecord, Trial]]:
     """The other forms, each with the trial that found it; the lowest one is first."""
     shown, layout = state.resting, state.layout
     minima = sorted((trial for trial in shown.trials if trial.is_minimum), key=lambda trial: trial.energy)
-    if len(minima) < 2 or len(layout.sample_points) < MIN_STARS:
+    # sheets with fewer stars or sites have no list of other forms, because these points cannot distinguish them
+    if len(minima) < 2 or len(layout.sample_points) < 3:
         return []
     diameter_mm = diameter(state.shell.node_positions(shown.x))
     known, forms = [(shown.x, _free(state, shown.x))], list[tuple[OtherFormRecord, Trial]]()
     for trial in minima:
         apart = [100.0 * _distance(state, form, trial.x, free) / diameter_mm for form, free in known]
-        if min(apart) > EQUAL_FORM_PERCENT:
+        # two minima have the same form if the rms distance of these points, in % of the diameter, is at most this
+        if min(apart) > 2.0:
             form = OtherFormRecord(
                 start=trial.name,
                 energy_n_mm=trial.energy,

@@ -53,8 +53,6 @@ OUTLINE_IN_SPACE = DrawingLayer(
 PAGE_MARGIN_MM = 18.5
 # width of the column of text, with its margin
 COLUMN_MM = 123.0
-# length of the ruler that shows whether the page is printed at 100 %
-_RULER_MM = 100.0
 # length of the arrow along the grain
 _ARROW_MM = 60.0
 
@@ -308,7 +306,8 @@ def _sheet(
 
 
 def _ruler(at: Floats) -> DrawingItems:
-    ends = at + np.array([[0.0, 0.0], [_RULER_MM, 0.0]])
+    # length of the ruler that shows whether the page is printed at 100 %
+    ends = at + np.array([[0.0, 0.0], [100.0, 0.0]])
     pen = DrawingLayer("ruler", TEXT.colour, 0.3)
     ticks = [Polyline(pen, end + np.array([[0.0, -2.0], [0.0, 2.0]])) for end in ends]
     words = Label(TEXT, at - [0.0, 6.5], "100 mm: measure it. Print at 100 %.", 3.6)

@@ -21,15 +21,14 @@ from asterism.draw.style import INK, PALE, add_grid, style_axes
 from asterism.equilibrium.arrays import Bools, Floats
 from asterism.fitting.fit import Fit
 from asterism.fitting.target import TargetSurface
-from asterism.measure.compare.comparison_picture import SIGNED_DISTANCE_COLOURS, surface_cut
+from asterism.measure.compare.compare import SIGNED_DISTANCE_COLOURS, surface_cut
 from asterism.pattern.design.errors import check_type
 from asterism.pattern.geometry.planar import distance_to_outline
-from asterism.print.formats.obj import write_shape_obj
 from asterism.reports.html import design_rows, figures, html_page, html_table, png, tiles, warnings_box
 from asterism.reports.plots import BLUE, ORANGE, PLOT_DPI, aligned_views, png_of, print_figure, together
+from asterism.reports.write_results import write_shape_files
 from asterism.results.files import SUMMARY_FILE, staged_result
 from asterism.results.records.fit import FitRecord
-from asterism.shape.vtu import write_rods_vtu, write_shape_vtu
 
 
 def write_fit(fitted: Fit, directory: str | Path) -> list[str]:
@@ -58,9 +57,7 @@ def write_fit(fitted: Fit, directory: str | Path) -> list[str]:
     }
     shape = replace(distance.shape, point_fields=fields)
     with staged_result(directory) as folder:
-        write_shape_vtu(shape, folder / "shape.vtu")
-        write_rods_vtu(shape, folder / "rods.vtu")
-        write_shape_obj(folder / "shape.obj", shape, fitted.summary["design"]["name"])
+        write_shape_files(shape, folder)
         (folder / "target.obj").write_text(_obj(fitted.target), encoding="ascii")
         # a name may hold characters that are not valid text
         (folder / "report.html").write_text(fit_page(fitted), encoding="utf-8", errors="backslashreplace")

@@ -27,9 +27,7 @@ def write_results(shape: Shape, directory: str | Path) -> list[str]:
     """
     check_type(shape, Shape, "simulate and preview make them")
     with staged_result(directory) as folder:
-        write_shape_vtu(shape, folder / "shape.vtu")
-        write_rods_vtu(shape, folder / "rods.vtu")
-        write_shape_obj(folder / "shape.obj", shape, shape.summary["design"]["name"])
+        write_shape_files(shape, folder)
         draw_shape(shape, shape.summary["design"]["name"], folder / "shape.png")
         for number, other in enumerate(shape.others, 2):
             write_shape_vtu(other, folder / f"minimum-{number}.vtu")
@@ -44,3 +42,10 @@ def write_results(shape: Shape, directory: str | Path) -> list[str]:
             draw_spread(shape.summary.spread, shape.summary["design"]["name"], folder / "spread.png")
         (folder / SUMMARY_FILE).write_text(shape.summary.json_text())
         return sorted(file.name for file in folder.iterdir())
+
+
+def write_shape_files(shape: Shape, folder: Path) -> None:
+    """Write sheet and rods of a shape for other programs."""
+    write_shape_vtu(shape, folder / "shape.vtu")
+    write_rods_vtu(shape, folder / "rods.vtu")
+    write_shape_obj(folder / "shape.obj", shape, shape.summary["design"]["name"])

@@ -146,7 +146,7 @@ def run_fit(
     printer : name of the profile to whose layers and lines sizes are rounded.
     weights : of places of the sheet; by default all count alike.
     """
-    from asterism.fitting.fit import fit
+    from asterism.fitting.run import fit
     from asterism.fitting.settings import FitSettings
     from asterism.fitting.target import TargetSurface
     from asterism.print.printer import load_printer

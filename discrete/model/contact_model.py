@@ -20,11 +20,7 @@ from asterism.pattern.geometry.rigid_fit import rigid_fit
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.mesh import Mesh
 
-# 1: distance at which contact begins over the spacing, at most; it is the fabric's thickness if that is smaller
-MAX_DISTANCE_FRACTION = 0.1
 SAFE_STEP_FRACTION = 0.9  # 1: step taken over the largest step without intersections
-# 1: entries of the pattern from earlier states over those of the present state, up to which they are kept
-MAX_STALE_ENTRIES_RATIO = 3
 
 
 def is_intersection_free(model: DiscreteModel, state: State) -> bool:
@@ -44,7 +40,8 @@ class ContactModel(DiscreteModel):
     def __init__(self, design: Design, layout: Layout, mesh: Mesh) -> None:
         super().__init__(design, layout, mesh)
         fabric = design.fabric
-        distance = min(fabric.thickness_mm, MAX_DISTANCE_FRACTION * self.spacing)
+        # distance at which contact begins over the spacing, at most; it is the fabric's thickness if that is smaller
+        distance = min(fabric.thickness_mm, 0.1 * self.spacing)
         self.contact = ContactBarrier(mesh, distance, max(fabric.stretch_xy), fabric.modulus)
         self._base_pattern = self.pattern
         self._contact_keys: Array = np.empty(0, dtype=np.int64)
@@ -89,7 +86,8 @@ class ContactModel(DiscreteModel):
         """Add these entries to the pattern, and those of pairs nearby, since a new pattern costs a new analysis."""
         nearby, _ = self._keys(*self.contact.hessian_pattern_nearby(state.positions))
         needed = np.union1d(keys, nearby)
-        if len(self._contact_keys) < MAX_STALE_ENTRIES_RATIO * len(needed):
+        # entries of the pattern from earlier states over those of the present state, up to which they are kept
+        if len(self._contact_keys) < 3 * len(needed):
             needed = np.union1d(needed, self._contact_keys)
         self._contact_keys = needed
         self.pattern = ExtendedPattern(self._base_pattern, self._contact_keys)

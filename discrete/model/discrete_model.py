@@ -11,8 +11,7 @@ from scipy.spatial import cKDTree
 
 from asterism.discrete.energies.bending.fabric_bending import FABRIC_BENDING, BendingMesh
 from asterism.discrete.energies.elements import Elements
-from asterism.discrete.energies.membrane import Membrane
-from asterism.discrete.energies.rods.bend import RodBend
+from asterism.discrete.energies.membrane import Membrane, SideMembrane, flat_share
 from asterism.discrete.energies.rods.joint import RodJoint
 from asterism.discrete.energies.rods.network import (
     JointNetwork,
@@ -27,9 +26,7 @@ from asterism.discrete.energies.rods.network import (
     stretch_params,
     twist_params,
 )
-from asterism.discrete.energies.rods.stretch import RodStretch
-from asterism.discrete.energies.rods.twist import RodTwist
-from asterism.discrete.energies.side_membrane import SideMembrane, flat_share
+from asterism.discrete.energies.rods.rod import RodBend, RodStretch, RodTwist
 from asterism.discrete.model.reconstruction import Reconstruction
 from asterism.discrete.model.state import State, moved_state
 from asterism.discrete.model.system import System
@@ -41,10 +38,6 @@ from asterism.pattern.geometry.planar import triangle_areas
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.mesh import Mesh
 from asterism.pattern.rods.graph import RodGraph
-
-# parts that have a rest shape in the plane
-MEMBRANES = {"membrane", "membrane_sides"}
-BUMP_RADIUS_FRACTION = 0.35  # 1: radius at which a Gaussian bump falls to 1/e, over the spacing of the stars
 
 
 @dataclass(frozen=True)
@@ -149,7 +142,7 @@ class DiscreteModel(System):
             "rod_twist": RodTwist(inputs, dofs, twist_params(net, points, modulus, plastic.poisson, w, h)),
         }
         if len(self.joints.vertices):
-            params = joint_params(self.joints, net, points, modulus, plastic.poisson, w, h, no_rest)
+            params = joint_params(self.joints, points, modulus, plastic.poisson, w, h, no_rest)
             parts["rod_joints"] = RodJoint(*joint_inputs(self.joints, len(points), len(net.edges)), params)
         return parts
 
@@ -184,7 +177,8 @@ class DiscreteModel(System):
         self.release = self.pin_progress = release
         fabric = self.design.fabric
         sx, sy = (1.0 + release * (s - 1.0) for s in fabric.stretch_xy)
-        for name in MEMBRANES & self.parts.keys():
+        # parts that have a rest shape in the plane
+        for name in {"membrane", "membrane_sides"} & self.parts.keys():
             cast(Membrane | SideMembrane, self.parts[name]).set_rest(self.mesh.points / (sx, sy))
         # bending coefficients depend on the rest shape only up to its size
         rest_shape = self.mesh.points / (sx / sy, 1.0) if len(set(fabric.stretch_xy)) > 1 else None
@@ -342,7 +336,8 @@ def add_bumps(model: DiscreteModel, state: State, heights: Array) -> State:
         return state
     up = (model.layout.star_side * heights)[bumped]
     distance, nearest = cKDTree(model.layout.centres[bumped]).query(model.mesh.points)
-    lift = up[nearest] * np.exp(-((distance / (BUMP_RADIUS_FRACTION * model.spacing)) ** 2))
+    # radius at which a Gaussian bump falls to 1/e, over the spacing of the stars
+    lift = up[nearest] * np.exp(-((distance / (0.35 * model.spacing)) ** 2))
     positions = state.positions + lift[:, None] * vertex_normals(state.positions, model.mesh.triangles)
     positions = np.where(model.constraints.held, state.positions, positions)
     return model.moved_to(state, positions)

@@ -26,8 +26,6 @@ from asterism.equilibrium.linear.backends import make_factor
 from asterism.equilibrium.linear.factor import Factor
 from asterism.equilibrium.linear.sparse_pattern import SparsePattern
 
-MAX_ROTATION_RAD = 1.0  # rad, largest rotation of an element in one step
-
 
 class Reconstruction:
     """Positions from deformation gradients, by weighted least squares.
@@ -71,9 +69,9 @@ class Reconstruction:
         self._b, self._weight = gradients.copy(), weight.copy()
         self._edge_weight = edge_weight
         self._held = held
-        self._components = self._factorise(len(held))
+        self._components = self._factorise()
 
-    def _factorise(self, n: int) -> list[tuple[Array, Array, Factor]]:
+    def _factorise(self) -> list[tuple[Array, Array, Factor]]:
         """A Laplacian for each distinct set of held vertices along x, y and z: axes, free vertices, factor."""
         groups: dict[bytes, list[int]] = {}
         for c in range(3):
@@ -163,7 +161,8 @@ class Reconstruction:
             return State(positions, carried, rotate_vectors(a * spin, state.frames))
 
         fastest = np.sqrt(max((w**2).sum(axis=1).max(initial=0.0) for w in (triangle_turn, edge_spin, spin)))
-        return state_at, MAX_ROTATION_RAD / max(fastest, 1e-30)
+        # rad, largest rotation of an element in one step
+        return state_at, 1.0 / max(fastest, 1e-30)
 
     def gradients(self, positions: Array) -> tuple[Array, Array]:
         """Deformation gradients (T, 3, 2) of the triangles and vectors (R, 3) mm of the rod edges."""

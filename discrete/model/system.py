@@ -41,7 +41,7 @@ class System:
     --------
     A spring of one rod edge (EA = 100 N, 10 mm) that carries 1 N at its end, with only that end free to move along x:
 
-    >>> from asterism.discrete.energies.rods.stretch import RodStretch
+    >>> from asterism.discrete.energies.rods.rod import RodStretch
     >>> from asterism.equilibrium.newton.minimise import minimise
     >>> spring = RodStretch(np.arange(6)[None], np.arange(6)[None], np.array([[100.0, 10.0]]))
     >>> edges, held = np.array([[0, 1]]), np.array([True, True, True, False, True, True, True])

@@ -22,7 +22,6 @@ from asterism.equilibrium.linear.pardiso import PardisoFactor
 from asterism.equilibrium.linear.sparse_pattern import SparsePattern
 
 MAX_MEMORY_FRACTION = 0.5  # of the machine's memory for a factorisation; `make_solver` iterates beyond it
-DEFAULT_MEMORY_MB = 8192.0  # assumed where the system does not report its memory
 
 
 class CholmodFactor:
@@ -209,7 +208,8 @@ def physical_memory_mb() -> float:
     try:
         return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") / 2.0**20
     except (AttributeError, ValueError, OSError):
-        return DEFAULT_MEMORY_MB
+        # assumed where the system does not report its memory
+        return 8192.0
 
 
 def check_backend(backend: str) -> None:

@@ -10,7 +10,6 @@ import scipy.sparse as sp
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.equilibrium.compiled import loop
 
-ENTRIES_PER_BATCH = 1 << 22  # while a pattern is built; tens of MB
 SUPPORT_STIFFNESS_FACTOR = 1e3  # stiffness of a support over the largest diagonal entry
 
 
@@ -106,7 +105,8 @@ def _pairs(element_dofs: Sequence[Ints], reduced: Ints) -> Iterator[tuple[Ints, 
     """Columns and rows of all entries in the elements' lower triangles, among the free dofs; -1 if one is held."""
     for dofs in element_dofs:
         i, j = np.tril_indices(dofs.shape[1])
-        step = max(ENTRIES_PER_BATCH // max(len(i), 1), 1)
+        # entries of a batch while a pattern is built: tens of MB
+        step = max((1 << 22) // max(len(i), 1), 1)
         for start in range(0, len(dofs), step):
             number = reduced[dofs[start : start + step]]
             a, b = number[:, i].ravel(), number[:, j].ravel()

@@ -17,8 +17,8 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.equilibrium.clock import Clock
-from asterism.equilibrium.linear.conjugate_gradients import NotPositiveDefiniteError
 from asterism.equilibrium.linear.factor import Factor, IterativeFactor
+from asterism.equilibrium.linear.multigrid import NotPositiveDefiniteError
 from asterism.equilibrium.linear.sparse_pattern import stiffen
 from asterism.equilibrium.newton.certificate import Eigenpair, leave_saddle, smallest_eigenvalue
 from asterism.equilibrium.newton.problem import AnyState, HasNearNullspace, Problem

@@ -42,10 +42,6 @@ from asterism.fem.search.simple_shapes import Plane, SimpleShape, similar
 from asterism.fem.shell.shell import Shell
 from asterism.fem.supports.rigid import span_a_plane
 
-MAX_RELAXATION_STEPS = 3  # in-plane relaxations of a guess
-MIN_RELATIVE_GAIN = 0.1  # 1: gain of a step over the energy, below which it is the last step
-REMAINING_GAIN = 0.25  # 1: gain of all later steps over that of a step; usually each gains a fifth of the one before
-IDENTITY_TOLERANCE = 1e-6  # 1: largest difference from the identity of a rotation that counts as the identity
 RANK_TOLERANCE = 1e-9  # 1: singular value over the largest, below which it is zero (points on a line, parallel loads)
 
 
@@ -100,7 +96,8 @@ class GuessBuilder:
             if not (printed.any() and places.any()):
                 return None
         rotation = Rotation.align_vectors(places, printed)[0].as_matrix()
-        return None if np.abs(rotation - np.eye(3)).max() < IDENTITY_TOLERANCE else np.asarray(rotation)
+        # largest difference from the identity of a rotation that counts as the identity
+        return None if np.abs(rotation - np.eye(3)).max() < 1e-6 else np.asarray(rotation)
 
     def bend(self, shape: SimpleShape) -> InitialGuess:
         """The guess of a shape on the supports."""
@@ -113,7 +110,8 @@ class GuessBuilder:
         """The guess after in-plane relaxation; it stops early if the energy cannot come below `energy_limit` N mm."""
         shell, shape = self._shell, guess.shape
         moves = np.zeros_like(shell.flat)
-        for _ in range(MAX_RELAXATION_STEPS if self._ready else 0):
+        # in-plane relaxations of a guess
+        for _ in range(3 if self._ready else 0):
             strains = shell.strains(guess.x)
             strains[..., 3:] = 0.0
             stress = shell.linear_stress(strains)
@@ -125,9 +123,11 @@ class GuessBuilder:
             if not trial.energy < guess.energy:
                 break
             gain = guess.energy - trial.energy
-            is_last = gain < MIN_RELATIVE_GAIN * abs(guess.energy)
+            # gain of a step over the energy, below which it is the last step
+            is_last = gain < 0.1 * abs(guess.energy)
             guess = trial
-            if is_last or guess.energy - REMAINING_GAIN * gain > energy_limit:
+            # gain of all later steps over that of a step; usually each gains a fifth of the one before
+            if is_last or guess.energy - 0.25 * gain > energy_limit:
                 break
         return guess
 
@@ -196,17 +196,11 @@ def _about_point(arms: Floats, loads: Floats) -> Floats:
     return np.asarray((u @ vt).T)
 
 
-# energies of the flat sheet above the best guess, beyond which guesses are left out
-MAX_EXCESS_OVER_FLAT = 20.0
 # 1: energy of a supported guess over that of the best one, beyond which it is left out; with 6 it may still be the best
 MAX_ENERGY_RATIO = 8.0
-ENERGY_TOLERANCE = 1e-3  # 1: relative difference below which energies count as equal
 SYMMETRY_BREAKING_ANGLE = np.radians(8.0)  # rad, from an axis of symmetry, which may be a saddle
-SAME_AXIS_ANGLE = np.radians(1.0)  # rad, difference below which two axes count as equal
 ARC_DIRECTIONS = 12  # the six axes of a hexagonal lattice and the directions halfway between them
-FLAT_METRIC = 1e-2  # 1: Gaussian curvature times size squared, below which a rest metric counts as flat
 MIN_TURN = 0.02  # rad from end to end, below which a shape counts as flat
-MAX_TURN = 6.0  # rad from end to end; a larger angle may lead to self-intersection
 MAX_TURN_ACROSS = 2.0  # rad from end to end, for caps and for the second principal direction
 
 
@@ -263,7 +257,8 @@ class _Ranking:
         self.lowest = np.inf
         self._best: dict[str, InitialGuess] = {}
         # upper bound of the gain by in-plane relaxation
-        self._excess = MAX_EXCESS_OVER_FLAT * shell.energies(shell.constrain(shell.flat))["sheet"]
+        # energies of the flat sheet above the best guess, beyond which guesses are left out
+        self._excess = 20.0 * shell.energies(shell.constrain(shell.flat))["sheet"]
         self._ratio = np.inf if shell.is_free else MAX_ENERGY_RATIO
 
     def compare(self, guesses: Sequence[InitialGuess]) -> None:
@@ -329,7 +324,8 @@ def energy_minima(shell: Shell, stretch: float, family: Sequence[SimpleShape]) -
     family : shapes that differ only in their angle; the angles are equally spaced over half a turn.
     """
     energies = np.array([_uniform_energy(shell, stretch, shape) for shape in family])
-    if np.ptp(energies) <= ENERGY_TOLERANCE * abs(energies.min()):
+    # relative difference below which energies count as equal
+    if np.ptp(energies) <= 1e-3 * abs(energies.min()):
         # an axis of symmetry may be a saddle, from which the search would have to depart
         return [replace(family[int(energies.argmin())], angle=SYMMETRY_BREAKING_ANGLE)]
     low = (energies <= np.roll(energies, 1)) & (energies < np.roll(energies, -1))
@@ -347,7 +343,8 @@ def distinct_shapes(
     kept = [first]
     for shape in others:
         images = [_image_angle(shape.angle, symmetry) for symmetry in (np.eye(2), *symmetries)]
-        if all(_line_angle(image, shape_kept.angle) > SAME_AXIS_ANGLE for image in images for shape_kept in kept):
+        # rad, difference below which two axes count as equal
+        if all(_line_angle(image, shape_kept.angle) > np.radians(1.0) for image in images for shape_kept in kept):
             kept.append(shape)
     return kept[1:]
 
@@ -396,7 +393,8 @@ def candidate_shapes(fields: MeanFields, size: float, side: Side = "auto") -> li
     if fields.chord < fields.stretch:
         angle = 2.0 * _arc_angle(fields.chord / fields.stretch)
         caps += [angle / length, 0.5 * angle / length]
-    is_flat = abs(fields.gaussian) * length**2 < FLAT_METRIC
+    # Gaussian curvature times size squared, below which a rest metric counts as flat
+    is_flat = abs(fields.gaussian) * length**2 < 1e-2
     for share in (0.0,) if is_flat else (1.0, 0.5, 0.0):
         product = share * fields.gaussian
         half = 0.5 * (1.0 + fields.poisson) * bend
@@ -408,8 +406,9 @@ def candidate_shapes(fields: MeanFields, size: float, side: Side = "auto") -> li
         larger, smaller = half + root, half - root
         name = "saddle" if smaller * length < -MIN_TURN else "bent" if smaller * length > MIN_TURN else "arc"
         if larger * length > MIN_TURN:
+            # rad from end to end; a larger angle may lead to self-intersection
             k, m = (
-                sign * min(larger, MAX_TURN / length),
+                sign * min(larger, 6.0 / length),
                 sign * float(np.clip(smaller, *(np.array([-1.0, 1.0]) * MAX_TURN_ACROSS / length))),
             )
             angles = np.pi * np.arange(ARC_DIRECTIONS) / ARC_DIRECTIONS

@@ -26,8 +26,6 @@ from asterism.fem.search.mixed_newton import MAX_STEP
 from asterism.fem.shell.fields import Fields
 from asterism.fem.shell.shell import Shell
 
-MIN_SUPPORT_MOVE = 1e-9  # 1: displacement of a support over the extent, below which it counts as zero
-
 
 @dataclass(frozen=True)
 class Response:
@@ -62,7 +60,8 @@ def linear_response(shell: Shell, x: Floats, factor: Factor) -> Response:
     factor : holds the Hessian at x before the change.
     """
     start = shell.constrain(x)
-    if float(np.abs(start - x).max()) > MIN_SUPPORT_MOVE * shell.extent:
+    # displacement of a support over the extent, below which it counts as zero
+    if float(np.abs(start - x).max()) > 1e-9 * shell.extent:
         return _response_to_moved_supports(shell, x, start - x, factor)
     strains = shell.strains(start)
     _, stress, _ = shell.density(strains)

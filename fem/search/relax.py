@@ -8,13 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from typing import Protocol
 
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.linear.factor import Factor
 from asterism.equilibrium.newton.minimise import Minimum, find_minimum, is_definite_on_support
-from asterism.equilibrium.newton.soft_modes import softest_modes as softest
 from asterism.fem.search.initial_guesses import InitialGuess, initial_guesses
 from asterism.fem.search.mean_fields import Side
 from asterism.fem.search.mixed_newton import mixed_newton
@@ -22,7 +22,6 @@ from asterism.fem.search.simple_shapes import SimpleShape
 from asterism.fem.shell.shell import Shell
 
 GRADIENT_TOLERANCE = 1e-11  # 1: gradient norm of an equilibrium over `Shell.force_scale`
-SADDLE_STEP = 0.02  # 1: largest change of a dof when a saddle is left, over the extent of the sheet
 LOAD_STEPS = (4, 16)  # numbers of load steps that are tried if no guess leads to a minimum
 MAX_ITERATIONS = 60  # iterations of Newton's method with mixed points
 MAX_FURTHER_ITERATIONS = 12  # the same after a minimum has been found
@@ -32,7 +31,6 @@ CLOSE_GUESS = 0.1
 # iterations of one search, load steps included; then it ends with the best state, and certifies no minimum
 MAX_RELAX_ITERATIONS = 1000
 MAX_GUESSES = 2  # guesses of different kinds that are followed
-MAX_TURNED_GUESSES = 2  # guesses of the best kind in other directions that are followed
 MODE_COUNT = 3  # softest modes that are computed
 
 
@@ -122,7 +120,8 @@ def relax(
             factor.close()
     kinds, turned = initial_guesses(shell, factor, side, None if shapes is None else list(shapes), symmetries)
     results: list[ShellEquilibrium] = []
-    chosen = _promising(kinds, kinds)[:max_guesses] + _promising(turned, kinds)[:MAX_TURNED_GUESSES]
+    # guesses of the best kind in other directions that are followed
+    chosen = _promising(kinds, kinds)[:max_guesses] + _promising(turned, kinds)[:2]
     for guess in sorted(chosen, key=lambda guess: guess.energy):
         # once a minimum is known, a further guess gets few iterations, and more only if its energy is already lower
         lowest = min((each.energy for each in results if each.is_minimum), default=np.inf)
@@ -176,7 +175,8 @@ def follow(
         strains, most = given.pop() if given else None, MAX_ITERATIONS if patient else max_iterations
         return mixed_newton(shell, state, factor, tolerance, strains, most, known)
 
-    most, step = MAX_DESCENT_ITERATIONS if patient else 0, SADDLE_STEP * shell.extent
+    # largest change of a dof when a saddle is left, over the extent of the sheet
+    most, step = MAX_DESCENT_ITERATIONS if patient else 0, 0.02 * shell.extent
     end = find_minimum(shell, x, factor, tolerance, iterate, step, max_iterations=most)
     trial = Trial(name, end.energy, end.is_minimum, end.iterations, end.state)
     strains, energies = shell.strains(end.state), energies_by_part(shell, end.state)
@@ -226,7 +226,7 @@ def softest_shell_modes(shell: Shell, x: Floats, factor: Factor, count: int = MO
 
     All rigid motions are left out, also those to which loads give a stiffness, since they do not change the form.
     """
-    return softest(shell.mass, factor, shell.rigid_motions(x), count)
+    return softest_modes(shell.mass, factor, shell.rigid_motions(x), count)
 
 
 def energies_by_part(shell: Shell, x: Floats) -> dict[str, float]:
@@ -246,3 +246,80 @@ def _rank(result: ShellEquilibrium) -> tuple[bool, bool, float]:
     """Minima before others, low energies before high ones."""
     energy = result.energy if np.isfinite(result.energy) else np.inf
     return not result.is_minimum, not result.converged, energy
+
+
+class MassOperator(Protocol):
+    """A symmetric positive definite matrix, or an operator that acts like one."""
+
+    def __matmul__(self, vectors: Floats) -> Floats:
+        """Product (size, k) with vectors (size, k)."""
+
+
+def softest_modes(mass: MassOperator, factor: Factor, rigid: Floats, count: int) -> tuple[Floats, Floats]:
+    """Smallest eigenvalues (k,) of `H v = value M v` and their modes (size, k), with `v M v = 1`.
+
+    Block Lanczos with the inverse of H (Golub and Underwood 1977); every block is orthogonal to all earlier ones.
+
+    Parameters
+    ----------
+    mass : M (size, size), positive definite.
+    factor : holds H on an isostatic support, positive definite (see `minimise.is_definite_on_support`).
+    rigid : (size, r) motions that H maps to zero, left out of the modes; r may be 0.
+    count : number of modes; the result has fewer if the problem has fewer.
+
+    Examples
+    --------
+    >>> from asterism.equilibrium.linear.backends import make_factor
+    >>> from asterism.equilibrium.linear.sparse_pattern import SparsePattern
+    >>> pattern = SparsePattern([np.array([[0, 1], [1, 2]])], 3, np.arange(1, 3))  # the first unknown is held
+    >>> data = pattern.assemble([np.array([[1.0, -1.0, 1.0], [1.0, -1.0, 1.0]])])
+    >>> factor = make_factor(pattern, "superlu")
+    >>> factor.factorise(data)
+    True
+    >>> values, modes = softest_modes(np.eye(2), factor, np.empty((2, 0)), 2)
+    >>> values.round(4).tolist()
+    [0.382, 2.618]
+    """
+    size, motions = rigid.shape
+    count = min(count, size - motions)
+    if count < 1:
+        return np.empty(0), np.empty((size, 0))
+    # further vectors in every block, for multiple eigenvalues
+    block = _unit(np.random.default_rng(0).standard_normal((size, count + 1)))
+    # squared length of a vector that consists of rounding errors, over that of a unit vector
+    zero = 1e-20 * float((block * (mass @ block)).sum(axis=0).max())
+    # vectors v with v M v = 1, the rigid motions first; their images M v; and the displacements H^-1 M v
+    vectors, images = _orthonormal(rigid, mass @ rigid, zero)
+    solved = np.empty((size, 0))
+    values, turn = np.empty(0), np.empty((0, 0))
+    # usually fewer than ten; rounding errors can prevent convergence
+    for _ in range(60):
+        block = _unit(block)
+        for _ in range(2):  # one projection leaves too much of nearly parallel vectors
+            block = block - vectors @ (images.T @ block)
+        block, image = _orthonormal(block, mass @ block, zero)
+        if not block.shape[1]:  # the whole space is used up
+            break
+        vectors, images = np.hstack([vectors, block]), np.hstack([images, image])
+        # forces that do no work on rigid motions cause no reactions of the support
+        block = factor.solve(image)
+        solved = np.hstack([solved, block])
+        previous = values
+        inverse, turn = np.linalg.eigh(images[:, motions:].T @ solved)
+        values, turn = 1.0 / inverse[: -count - 1 : -1], turn[:, : -count - 1 : -1]
+        # relative change between blocks; the change after it is about its square
+        if len(values) == len(previous) and np.abs(values - previous).max() <= 1e-5 * abs(values[-1]):
+            break
+    return values, np.asarray(vectors[:, motions:] @ turn)
+
+
+def _unit(vectors: Floats) -> Floats:
+    return np.asarray(vectors / np.maximum(np.linalg.norm(vectors, axis=0), np.finfo(float).tiny))
+
+
+def _orthonormal(vectors: Floats, images: Floats, zero: float) -> tuple[Floats, Floats]:
+    """Orthonormal combinations of vectors v (size, k), `v M v = 1`, and their images M v; zero vectors are left out."""
+    square, turn = np.linalg.eigh(vectors.T @ images)
+    kept = square > zero
+    turn = turn[:, kept] / np.sqrt(square[kept])
+    return vectors @ turn, images @ turn

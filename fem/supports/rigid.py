@@ -7,8 +7,6 @@ import scipy.sparse as sp
 
 from asterism.equilibrium.arrays import Floats, Ints
 
-MIN_WORK = 1e-6  # 1: work along a unit motion over the norm of the loads, below which it counts as zero
-
 
 def admissible_motions(x: Floats, shifts: Floats, columns: sp.csr_matrix, free: Ints) -> Floats:
     """(n, k) infinitesimal translations and rotations of a state x (N, 3) that satisfy the homogeneous supports.
@@ -56,6 +54,7 @@ def neutral_motions(motions: Floats, stiffness: Floats, load_gradient: Floats, m
     size = np.linalg.norm(load_gradient)
     work = motions.T @ load_gradient / size if size > 0.0 else np.zeros(motions.shape[1])
     # all rows are scaled so that the limit is 1
-    rows = np.concatenate([stiffness / min_stiffness, work[None] / MIN_WORK])
+    # work along a unit motion over the norm of the loads, below which it counts as zero
+    rows = np.concatenate([stiffness / min_stiffness, work[None] / 1e-6])
     _, values, directions = np.linalg.svd(rows, full_matrices=False)
     return np.asarray(motions @ directions[values < 1.0].T)

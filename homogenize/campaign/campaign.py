@@ -7,7 +7,6 @@ never uses samples of another material or of other code.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -17,7 +16,7 @@ from asterism.homogenize.campaign.kept_samples import KeptSamples, Outcome, atte
 from asterism.homogenize.campaign.workers import CampaignProgress, workers_for
 from asterism.homogenize.cell.motif_responses import motif_responses
 from asterism.homogenize.cell.sample import solve_cell
-from asterism.homogenize.law.plan import CellTask, LawPlan
+from asterism.homogenize.law.plan import CellTask, LawPlan, SampleRecord
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError, MeshError
 
@@ -29,17 +28,6 @@ class CellAnswer(Protocol):
 
 
 SolveCell = Callable[[Design, float], CellAnswer]
-
-
-@dataclass(frozen=True)
-class SampleRecord:
-    """The result of one unit cell."""
-
-    task: CellTask  # the cell
-    label: str  # the cell, for messages
-    sample: dict[str, Any] | None  # the responses as plain data; None for a cell without an answer
-    failed: str | None  # why the cell has no answer, or does not stand for a sheet, in one line
-    seconds: float  # wall time of the cell
 
 
 def run_campaign(

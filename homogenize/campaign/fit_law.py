@@ -10,13 +10,11 @@ from typing import Any
 import numpy as np
 
 from asterism.equilibrium.arrays import Bools, Floats
-from asterism.homogenize.campaign.campaign import SampleRecord
 from asterism.homogenize.cell.motif_responses import completed_by_rods
 from asterism.homogenize.cell.point_group import MIN_RESOLVED_CURL, averaged_directions
 from asterism.homogenize.errors import CampaignError
 from asterism.homogenize.law.anisotropy import (
     VOIGT_ENTRIES,
-    anisotropy_size,
     isotropic_constants,
     sample_anisotropy,
     voigt_matrices,
@@ -25,8 +23,8 @@ from asterism.homogenize.law.hermite_grid import HermiteGrid
 from asterism.homogenize.law.law import LawTable
 from asterism.homogenize.law.law_file import law_of_tables
 from asterism.homogenize.law.motif_law import MotifLaw
-from asterism.homogenize.law.plan import CellTask, LawPlan, Stretch, stretch_text
-from asterism.homogenize.law.star_law import QUANTITIES, QUANTITY_NAMES, StarLaw, to_stored
+from asterism.homogenize.law.plan import CellTask, LawPlan, SampleRecord, Stretch, stretch_text
+from asterism.homogenize.law.star_law import QUANTITIES, QUANTITY_NAMES, StarLaw, anisotropy_size, to_stored
 from asterism.homogenize.law.tensor_forms import TO_VOIGT, SheetTensors, stored_tensors
 
 

@@ -23,10 +23,6 @@ from asterism.pattern.geometry.planar import distance_to_segment
 REFINEMENT_SWEEPS = range(3, 25, 3)
 # distance of two points, over the local edge length
 MIN_POINT_DISTANCE_RATIO = 0.6
-# circumradius over the local edge length, above which a triangle gets a point; 0.58 for an equilateral triangle
-MAX_CIRCUMRADIUS_RATIO = 0.85
-# growth of the edges per distance from shorter ones on the arms
-EDGE_GROWTH = 0.4
 # smallest angle of a triangle
 MIN_CELL_ANGLE_DEG = 20.0
 # a group without symmetries
@@ -137,7 +133,8 @@ class _Beside:
         if not len(self._points):
             return np.full(len(places), self._edge_mm)
         distance = np.linalg.norm(places[:, None] - self._points, axis=2)
-        return np.asarray(np.minimum((self._size + EDGE_GROWTH * distance).min(axis=1), self._edge_mm))
+        # growth of the edges per distance from shorter ones on the arms
+        return np.asarray(np.minimum((self._size + 0.4 * distance).min(axis=1), self._edge_mm))
 
     def too_near(self, free: Floats) -> Bools:
         """(n,) whether points are close to an arm or a given point, or inside the circle over a segment."""
@@ -186,7 +183,8 @@ def _missing(beside: _Beside, triangulation: PeriodicTriangles) -> Floats:
     middle = triangulation.places.reshape(-1, 3, 2).mean(axis=1)
     radius = np.linalg.norm(triangulation.circumcentres - triangulation.places[::3], axis=1)
     ratio = radius / beside.size(middle)
-    large = np.flatnonzero(ratio > MAX_CIRCUMRADIUS_RATIO)
+    # circumradius over the local edge length, above which a triangle gets a point; 0.58 for an equilateral triangle
+    large = np.flatnonzero(ratio > 0.85)
     places = middle[large[np.argsort(-ratio[large], kind="stable")]]
     return home(places, triangulation.vectors)
 

@@ -20,8 +20,6 @@ from asterism.homogenize.cell.point_group import point_group
 from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.geometry.planar import cross_2d
 
-# length of the longest reciprocal vector, over the shortest
-MAX_WAVE_NUMBER_RATIO = 3.0
 # relative rounding of reciprocal vectors
 WAVE_TOLERANCE = 1e-9
 
@@ -48,7 +46,8 @@ class CorrugationWaves:
         every = np.stack(np.meshgrid(span, span, indexing="ij"), axis=-1).reshape(-1, 2) @ basis
         size = np.linalg.norm(every, axis=1)
         shortest = size[size > WAVE_TOLERANCE].min()
-        every = every[(size > WAVE_TOLERANCE) & (size < MAX_WAVE_NUMBER_RATIO * shortest * (1.0 + WAVE_TOLERANCE))]
+        # length of the longest reciprocal vector, over the shortest
+        every = every[(size > WAVE_TOLERANCE) & (size < 3.0 * shortest * (1.0 + WAVE_TOLERANCE))]
         group = point_group(lattice)
         rotations = group[np.linalg.det(group) > 0.0]
         first = np.asarray(lattice.arm_directions)[0]

@@ -125,13 +125,12 @@ class MotifResponses:
         return doubts + [f"direction {np.degrees(angle):.0f} deg: {reason}" for angle, reason in self.failed_directions]
 
 
-def motif_responses(design: Design, edge_mm: float, angles: tuple[float, ...] = ALL_ANGLES_RAD) -> MotifResponses:
+def motif_responses(design: Design, edge_mm: float) -> MotifResponses:
     """Solve the unit cell of a design's motif, flat and rolled in several directions, and compare it with 2 x 2 cells.
 
     Parameters
     ----------
     edge_mm : of the mesh.
-    angles : of the tubes, rad from y to the printed direction around the tube.
 
     Raises
     ------
@@ -145,7 +144,7 @@ def motif_responses(design: Design, edge_mm: float, angles: tuple[float, ...] = 
     with closing(UnitCell(design, edge_mm)) as cell:
         flat = relax_flat_cell(cell)
         membrane = flat_membrane_stiffness(cell, flat)
-        for angle in angles:
+        for angle in ALL_ANGLES_RAD:  # from y to the printed direction around the tube
             around = (angle + 0.5 * np.pi) % np.pi
             try:
                 branch = trace_tubes(cell, flat, angle)

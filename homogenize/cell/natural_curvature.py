@@ -39,9 +39,6 @@ MIN_NATURAL_CURL = 0.015
 ROOT_TOLERANCE = 1e-5
 # steps go so far beyond the expected root that the moment changes its sign
 OVERSHOOT_FACTOR = 1.15
-# steps beyond two tubes, over their difference, up to which the straight way through both is a better start than the
-# nearest one
-MAX_EXTRAPOLATION = 0.5
 # first regularisation where a sheet is bent further: its matrix is indefinite, and smaller ones would be refused
 FIRST_BLEND = 0.9
 # curvature 1/mm and moment N
@@ -124,7 +121,9 @@ class _Walk:
         sheet, part = unroll(self.cell, nearest), 0.0
         if others:
             part = (curvature - nearest.curvature) / (others[0].curvature - nearest.curvature)
-        if 0.0 < abs(part) < MAX_EXTRAPOLATION:
+        # steps beyond two tubes, over their difference, up to which the straight way through both is a better start
+        # than the nearest one
+        if 0.0 < abs(part) < 0.5:
             return self._roll(part_way(sheet, unroll(self.cell, others[0]), part), nearest.bump, curvature, 0.0)
         return self._roll(sheet, nearest.bump, curvature)
 

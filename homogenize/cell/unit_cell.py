@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from asterism.discrete.energies.bending.fabric_bending import FABRIC_BENDING, BendingMesh
-from asterism.discrete.energies.bending.plate_patches import patches
+from asterism.discrete.energies.bending.plate import patches
 from asterism.discrete.energies.elements import Elements
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State, edge_tangents, moved_state, rotate_vectors
@@ -20,8 +20,7 @@ from asterism.equilibrium.linear.factor import Factor
 from asterism.equilibrium.linear.sparse_pattern import SparsePattern, independent_dofs
 from asterism.homogenize.cell.aligned_cell_mesh import aligned_cell_mesh
 from asterism.homogenize.cell.free_cell_mesh import NEIGHBOUR_STEPS, free_cell_mesh
-from asterism.homogenize.cell.periodic_images import PeriodicElements, PeriodicImages
-from asterism.homogenize.cell.periodic_mesh import TOUCHING_TOLERANCE, PeriodicMesh
+from asterism.homogenize.cell.periodic_mesh import TOUCHING_TOLERANCE, PeriodicElements, PeriodicImages, PeriodicMesh
 from asterism.homogenize.cell.point_group import GRADED_OFF_LINES, aligned_lines, arm_directions, point_group
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError, MeshError

@@ -26,8 +26,6 @@ from typing import Any
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
-from asterism.homogenize.cell.point_group import differs_by_direction
-from asterism.pattern.design.design import Design
 
 # Poisson's ratio of bending. It changes caps, but no tubes: small free sheets agree best with the exact model for 0 to
 # 0.1
@@ -58,17 +56,10 @@ MEMBRANE_COLUMNS = np.arange(11, ANISOTROPY_SIZE)
 # the same curvature in all directions, components 11, 22, 12
 SPHERICAL = np.array([1.0, 1.0, 0.0])
 _LOWER = np.tril_indices(3)
-# smallest eigenvalue of S S in a start of the fit: at 0 it could not grow
-MIN_START_RATIO = 1e-3
 # W, and how often symmetric matrices and curvatures have each entry, as square roots
 _KELVIN = np.array([1.0, 1.0, np.sqrt(0.5)])
 _LOWER_NORM = np.where(_LOWER[0] == _LOWER[1], 1.0, np.sqrt(2.0))
 _MOMENT_NORM = np.array([1.0, 1.0, np.sqrt(2.0)])
-
-
-def anisotropy_size(design: Design) -> int:
-    """K, the number of columns that the law of such stars has for directions; 0 if they are alike."""
-    return ANISOTROPY_SIZE if differs_by_direction(design) else 0
 
 
 def sample_anisotropy(sample: dict[str, Any]) -> Floats:
@@ -199,7 +190,8 @@ def _packed(q: Floats, m: Floats) -> Floats:
     """
     rest = (q - MIN_BENDING_RATIO * ISOTROPIC_PLATE) / np.outer(_KELVIN, _KELVIN)
     sizes, axes = np.linalg.eigh(rest)
-    root = (axes * np.sqrt(np.maximum(sizes, MIN_START_RATIO))) @ axes.T
+    # smallest eigenvalue of S S in a start of the fit: at 0 it could not grow
+    root = (axes * np.sqrt(np.maximum(sizes, 1e-3))) @ axes.T
     return np.concatenate([root[_LOWER] * _LOWER_NORM, m * _MOMENT_NORM])
 
 

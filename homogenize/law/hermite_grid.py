@@ -22,8 +22,6 @@ import numpy as np
 from asterism.equilibrium.arrays import Bools, Floats, Ints
 
 SlopeRule = Literal["monotone", "smooth", "spline"]
-# relative weights of both sides below this are rounding errors: the values around the node lie on a line
-MIN_RELATIVE_WEIGHT = 1e-9
 # mm, or difference of logarithms: a place so near to a node is on it
 NODE_TOLERANCE = 1e-9
 
@@ -178,6 +176,7 @@ def _smooth(secants: Floats) -> Floats:
     change = np.abs(np.diff(m, axis=0)) + np.abs(m[1:] + m[:-1]) / 2
     before, after = change[2:], change[:-2]  # weights of the secants before and after a node
     total = before + after
-    known = total > MIN_RELATIVE_WEIGHT * total.max()
+    # relative weights of both sides below this are rounding errors: the values around the node lie on a line
+    known = total > 1e-9 * total.max()
     share = np.where(known, after, 0.0) / np.where(known, total, 1.0)
     return np.where(known, m[1:-2] + share * (m[2:-1] - m[1:-2]), (m[3:] + m[:-3]) / 2)

@@ -112,6 +112,17 @@ class CellTask:
         return bool(self.sizes) and self.sizes[0] == 0.0
 
 
+@dataclass(frozen=True)
+class SampleRecord:
+    """The result of one unit cell."""
+
+    task: CellTask  # the cell
+    label: str  # the cell, for messages
+    sample: dict[str, Any] | None  # the responses as plain data; None for a cell without an answer
+    failed: str | None  # why the cell has no answer, or does not stand for a sheet, in one line
+    seconds: float  # wall time of the cell
+
+
 class Trait(NamedTuple):
     """A value of a design that its cells depend on."""
 

@@ -16,7 +16,8 @@ from numpy.typing import ArrayLike
 
 from asterism.equilibrium.arrays import Bools, Floats
 from asterism.homogenize.cell.corrugation_waves import CorrugationWaves
-from asterism.homogenize.law.anisotropy import anisotropy_size
+from asterism.homogenize.cell.point_group import differs_by_direction
+from asterism.homogenize.law.anisotropy import ANISOTROPY_SIZE
 from asterism.homogenize.law.hermite_grid import SlopeRule
 from asterism.homogenize.law.law import CellErrors, Law, LawTable
 from asterism.homogenize.law.plan import LawPlan
@@ -72,6 +73,11 @@ class LawValues:
     # values are those of the cell, but a sheet whose stars differ need not follow them: the stated accuracy of the law
     # ends here.
     not_scale_separated: Bools
+
+
+def anisotropy_size(design: Design) -> int:
+    """K, the number of columns that the law of such stars has for directions; 0 if they are alike."""
+    return ANISOTROPY_SIZE if differs_by_direction(design) else 0
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,8 +23,6 @@ MAX_HOLES = 1000
 # keys of `Border`, one of which has the outline
 OUTLINES = ("rings", "rectangle_mm", "polygon_mm", "circle_mm", "spline_mm", "rods")
 MAX_BENT = 1000
-# bulges of half a circle may be rounded
-BULGE_TOLERANCE_MM = 1e-3
 # of circles and arcs, of the outline and of lines
 MIN_RADIUS_MM = 0.5
 MAX_RADIUS_MM = 1e4
@@ -194,7 +192,8 @@ def _check_bulges(edge: Border | Hole) -> None:
     if len(edge.bulge_mm) != count:
         raise DesignError("bulge_mm", f"must have {count} entries, one for each edge", len(edge.bulge_mm))
     half = 0.5 * np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1)
-    for k in np.flatnonzero(np.abs(edge.bulge_mm) > half + BULGE_TOLERANCE_MM):
+    # bulges of half a circle may be rounded
+    for k in np.flatnonzero(np.abs(edge.bulge_mm) > half + 1e-3):
         allowed = f"must be within {half[k]:g} mm, half the length of its edge: an arc is at most half a circle"
         raise DesignError(f"bulge_mm[{k}]", allowed, edge.bulge_mm[k], place_mm=corners[k])
 

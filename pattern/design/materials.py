@@ -18,8 +18,6 @@ _DEFAULT_MODULUS_MPA = 7.1875  # of the paper's fabric
 # exponents of the membrane energy of orthotropic fabric: from the first on it is polyconvex (Itskov and Aksel 2004),
 # and beyond the second it stiffens more than knits do
 MIN_EXPONENT, MAX_EXPONENT = 0.5, 6.0
-# of tensors that a motion keeps
-_SAME_DIRECTION = 1e-6
 
 
 class ResidualCurvature(Section):
@@ -188,7 +186,8 @@ class Fabric(Section):
         def turns(tensor: Floats, sign: float) -> NDArray[np.bool_]:
             """Whether they turn a tensor into itself, times a sign."""
             off = motions @ tensor - sign * tensor @ motions
-            return np.asarray(np.abs(off).max(axis=(-2, -1)) < _SAME_DIRECTION)
+            # of tensors that a motion keeps
+            return np.asarray(np.abs(off).max(axis=(-2, -1)) < 1e-6)
 
         kept = turns(np.diag(self.stretch_xy), 1.0)
         if self.is_orthotropic:

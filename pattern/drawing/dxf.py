@@ -26,8 +26,6 @@ _MM_OF_INSUNITS = {1: 25.4, 2: 304.8, 3: 1_609_344.0, 4: 1.0, 5: 10.0, 6: 1e3, 7
 _MM_OF_INSUNITS |= {11: 1e-7, 12: 1e-6, 13: 1e-3, 14: 100.0, 15: 1e4, 16: 1e5, 21: 1.2e6 / 3937.0}
 # Bezier curves of a circle, which are within 1e-7 of its radius, and pieces of each, which turn by less than 6 degrees
 _CIRCLE_CURVES, _ARC_PIECES = 16, 4
-# handles from this number on are in no drawing
-_FREE_HANDLES = 0x7000000000
 
 
 def open_dxf(path: Path) -> Source:
@@ -61,7 +59,8 @@ def _with_own_handles(raw: bytes) -> bytes:
     for k in range(0, len(lines) - 1, 2):
         if lines[k].strip() == b"5":
             if lines[k + 1].strip().upper() in seen:
-                lines[k + 1] = b"%X" % (_FREE_HANDLES + k)
+                # handles from this number on are in no drawing
+                lines[k + 1] = b"%X" % (0x7000000000 + k)
             seen.add(lines[k + 1].strip().upper())
     return b"\n".join([*lines, b""])
 

@@ -16,8 +16,6 @@ MM_OF_UNITS = {"mm": 1.0, "cm": 10.0, "in": 25.4, "px": 25.4 / 96.0, "pt": 25.4 
 MAX_DEPTH = 100
 # elements of a drawing after all that is used stands in its place
 MAX_ELEMENTS = 100_000
-# larger numbers are no places
-_MAX_PLACE = 1e9
 
 
 class DrawingError(Error, ValueError):
@@ -71,6 +69,7 @@ class Source:
 
 def checked(points: Floats, layer: str, name: str) -> Floats:
     """The points, if all of them can be places."""
-    if not (np.abs(points) <= _MAX_PLACE).all():
+    # larger numbers are no places
+    if not (np.abs(points) <= 1e9).all():
         raise DrawingError(f"holds places that are no sensible numbers: {name} in layer {layer!r}")
     return points

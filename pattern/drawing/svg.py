@@ -31,10 +31,6 @@ _LENGTH_UNITS = ("mm", "cm", "in", "pt", "pc")
 # all widths and heights that SVG allows
 _NUMBER = r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?"
 _SIZE = re.compile(rf"((?!-){_NUMBER}({'|'.join(_LENGTH_UNITS)}|px|%|em|ex)?)?")
-# points of a curve at which its turn is measured
-_CURVE_SAMPLES = 64
-# a stroke is stretched unevenly if its widths along x and y differ by more than this part
-_MAX_UNEVENNESS = 0.02
 _SVG = "{http://www.w3.org/2000/svg}"
 _INKSCAPE = "{http://www.inkscape.org/namespaces/inkscape}"
 _HREF = ("href", "{http://www.w3.org/1999/xlink}href")
@@ -203,7 +199,8 @@ def _lines(
         matrix = checked(np.array([[m.a, m.c], [m.b, m.d]], dtype=float), layer, name)
         sizes = np.linalg.svd(matrix, compute_uv=False)
         unevenness = float(sizes[0] / max(sizes[1], 1e-12))
-        is_even = unevenness <= 1.0 + _MAX_UNEVENNESS
+        # a stroke is stretched unevenly if its widths along x and y differ by more than this part
+        is_even = unevenness <= 1.02
         width = float(np.sqrt(sizes[0] * sizes[1]) * shape.stroke_width) if has_stroke and is_even else None
         for part in abs(svg.Path(shape)).as_subpaths():
             points = _points(svg.Path(part), curve, layer, name)
@@ -247,5 +244,6 @@ def _points(part: Any, curve: float, layer: str, name: str) -> Floats:
             ends = [(p.x, p.y) for p in (piece.start, piece.end) if p is not None]
             pieces.append(checked(np.array(ends, dtype=float).reshape(-1, 2), layer, name))
         elif not isinstance(piece, svg.Move):
-            pieces.append(flattened(partial(at, piece), np.linspace(0.0, 1.0, _CURVE_SAMPLES + 1), curve))
+            # points of a curve at which its turn is measured
+            pieces.append(flattened(partial(at, piece), np.linspace(0.0, 1.0, 65), curve))
     return np.concatenate(pieces) if pieces else np.empty((0, 2))

@@ -29,7 +29,6 @@ from asterism.pattern.layout.supports import SupportSamples
 
 RIGID_MOTION_TOLERANCE = 1e-6  # of the supports' size: smaller motions leave them in place
 MAX_FIT_STEPS = 60  # Newton steps of a fit
-FIT_TOLERANCE = 1e-12  # relative to the sheet: a smaller step ends a fit
 START_TURNS_RAD = (0.0, 0.5 * np.pi, np.pi, 1.5 * np.pi)  # starts of a fit about each free axis
 
 
@@ -149,7 +148,8 @@ class _Fit:
             step = back - basis @ np.linalg.lstsq(inner, basis.T @ (gradient + stiffness @ back), rcond=None)[0]
             turn = Rotation.from_rotvec(step[3:] / size).as_matrix()
             rotation, shift = turn @ rotation, turn @ (shift - centre) + centre + step[:3]
-            if float(np.abs(step).max()) < FIT_TOLERANCE * size:
+            # relative to the sheet: a smaller step ends a fit
+            if float(np.abs(step).max()) < 1e-12 * size:
                 break
         return rotation, shift
 

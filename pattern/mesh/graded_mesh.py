@@ -36,8 +36,6 @@ PLACES = np.linspace(0.0, 1.0, 1001)  # at which the sizes of edges along a line
 # smallest angle that a move leaves, unless the even mesh has flat triangles: these lose at most a quarter of theirs
 MIN_GRADED_ANGLE_DEG = 12.0
 MIN_KEPT_ANGLE = 0.75
-# edges near triangles that would be flatter keep this part of their even length at the next try; at 1, vertices stay
-EASED = (0.5, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0)
 
 
 @dataclass(frozen=True)
@@ -135,7 +133,9 @@ def graded_mesh(mesh: Mesh, layout: Layout, edge_mm: float) -> Mesh:
     angles = triangle_angles(mesh.points, mesh.triangles).min(axis=1)
     enough = np.minimum(MIN_GRADED_ANGLE_DEG, MIN_KEPT_ANGLE * angles)
     points, eased = mesh.points, np.zeros(len(mesh.points))
-    for rings, ease in enumerate(EASED, start=1):
+    # edges near triangles that would be flatter keep this part of their even length at the next try; at 1, vertices
+    # stay
+    for rings, ease in enumerate((0.5, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0, 1.0), start=1):
         points = even.graded(points, eased)
         angles = triangle_angles(points, mesh.triangles).min(axis=1)
         flat = (angles < enough) | (triangle_areas(points, mesh.triangles) <= 0.0)

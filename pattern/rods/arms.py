@@ -10,9 +10,6 @@ import shapely
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.errors import DesignError
 
-# ends closer than this are meant to meet, with a rounded length
-NEARLY_MEETING_MM = 0.02
-
 
 def cut(
     centres: Floats, tips: Floats, corners: Floats, margin: float, holes: Sequence[Floats] = ()
@@ -77,7 +74,8 @@ def check_clear(centres: Floats, tips: Floats, star: Ints, width: Floats, meetin
     here, there = (f"[{x:.2f}, {y:.2f}]" for x, y in (centres[i], centres[j]))
     apart = f"are {distance[bad[0]]:.3f} mm apart and would print as one"
     what = "overlap" if joined[bad[0]] or distance[bad[0]] == 0 else apart
-    meant = "; length_fraction makes ends meet" if gap[bad[0]].min() < NEARLY_MEETING_MM else ""
+    # ends closer than this are meant to meet, with a rounded length
+    meant = "; length_fraction makes ends meet" if gap[bad[0]].min() < 0.02 else ""
     message = f"arms of the stars at {here} and {there} {what}; shorten or turn them{meant}"
     raise DesignError("stars", message, stars=[star[i], star[j]], place_mm=centres[i])
 

@@ -16,11 +16,6 @@ from asterism.pattern.rods.curves import polyline
 from asterism.pattern.rods.drawn_graph import PlacedLine, graph_of_lines
 from asterism.pattern.rods.graph import Rod
 
-# mm: places of a cell closer than this are one, but for rounding, whatever `join_mm` is
-SAME_NODE_MM = 1e-5
-# copies of a motif around the cell, beyond which a motif is too long for its lattice
-MAX_NEARBY_COPIES = 2000
-
 
 @dataclass(frozen=True)
 class MotifGraph:
@@ -70,7 +65,8 @@ def motif_graph(rods: Rods, lattice: Lattice) -> MotifGraph:
     own = [rod for rod, piece in zip(graph.rods, pieces, strict=True) if piece.line < len(rods.motif)]
     if not own:
         raise DesignError("rods.motif", "must have a line that is longer than half its width")
-    return _folded(own, np.asarray(lattice.vectors), max(rods.join_mm, SAME_NODE_MM))
+    # mm: places of a cell closer than this are one, but for rounding, whatever `join_mm` is
+    return _folded(own, np.asarray(lattice.vectors), max(rods.join_mm, 1e-5))
 
 
 def _places_nearby(rods: Rods, lattice: Lattice) -> Floats:
@@ -78,7 +74,8 @@ def _places_nearby(rods: Rods, lattice: Lattice) -> Floats:
     points = np.concatenate([polyline(line, rods.curve_mm) for line in rods.motif])
     reach = 2.0 * float(np.linalg.norm(np.ptp(points, axis=0))) + 4.0 * rods.join_mm
     vectors = np.asarray(lattice.vectors)
-    if np.pi * reach**2 > MAX_NEARBY_COPIES * abs(np.linalg.det(vectors)):
+    # copies of a motif around the cell, beyond which a motif is too long for its lattice
+    if np.pi * reach**2 > 2000 * abs(np.linalg.det(vectors)):
         raise DesignError("rods.motif", "is too long for its lattice: draw the lines of one cell")
     reach += float(np.linalg.norm(vectors, axis=1).max())
     lattice_at_0 = PlaneLattice(vectors, np.zeros(2))

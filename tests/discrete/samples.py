@@ -11,13 +11,10 @@ import numpy as np
 from asterism.discrete.energies.bending.hinges import Hinges
 from asterism.discrete.energies.bending.plate import Plate
 from asterism.discrete.energies.elements import Elements
-from asterism.discrete.energies.membrane import Membrane
-from asterism.discrete.energies.rods.bend import RodBend
+from asterism.discrete.energies.membrane import Membrane, SideMembrane
 from asterism.discrete.energies.rods.joint import RodJoint
 from asterism.discrete.energies.rods.network import JointNetwork, RodNetwork, joint_inputs, stencil_inputs
-from asterism.discrete.energies.rods.stretch import RodStretch
-from asterism.discrete.energies.rods.twist import RodTwist
-from asterism.discrete.energies.side_membrane import SideMembrane
+from asterism.discrete.energies.rods.rod import RodBend, RodStretch, RodTwist
 from asterism.discrete.model.state import State, moved_state
 from asterism.equilibrium.arrays import Array
 from asterism.pattern.design.materials import BendingStiffness, Fabric

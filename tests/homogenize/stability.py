@@ -17,7 +17,7 @@ from asterism.equilibrium.arrays import Array
 from asterism.equilibrium.linear.backends import make_factor
 from asterism.equilibrium.linear.sparse_pattern import SparsePattern
 from asterism.equilibrium.newton.certificate import smallest_eigenvalue
-from asterism.homogenize.cell.periodic_images import PeriodicImages
+from asterism.homogenize.cell.periodic_mesh import PeriodicImages
 from asterism.homogenize.cell.unit_cell import UnitCell
 
 # signs along A1 and A2 of the displacements that do not repeat from cell to cell

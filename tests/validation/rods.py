@@ -8,7 +8,6 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq
 
-from asterism.discrete.energies.rods.bend import RodBend
 from asterism.discrete.energies.rods.network import (
     RodNetwork,
     bend_params,
@@ -18,8 +17,7 @@ from asterism.discrete.energies.rods.network import (
     torsion_constant,
     twist_params,
 )
-from asterism.discrete.energies.rods.stretch import RodStretch
-from asterism.discrete.energies.rods.twist import RodTwist
+from asterism.discrete.energies.rods.rod import RodBend, RodStretch, RodTwist
 from asterism.discrete.model.state import State
 from asterism.discrete.model.system import System
 from asterism.equilibrium.arrays import Array

@@ -15,11 +15,11 @@ import pytest
 
 from asterism.equilibrium.arrays import Floats
 from asterism.exact.simulation import exact_shape
-from asterism.homogenize.campaign.campaign import SampleRecord
 from asterism.homogenize.campaign.design_plan import plan_for_design
 from asterism.homogenize.campaign.fit_law import fit_law
 from asterism.homogenize.cell.sample import solve_cell
 from asterism.homogenize.law.law import Law
+from asterism.homogenize.law.plan import SampleRecord
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout

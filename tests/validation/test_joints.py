@@ -9,7 +9,6 @@ import pytest
 import scipy.linalg as la
 import scipy.sparse.linalg as spla
 
-from asterism.discrete.energies.rods.bend import RodBend
 from asterism.discrete.energies.rods.joint import RodJoint
 from asterism.discrete.energies.rods.network import (
     bend_params,
@@ -22,8 +21,7 @@ from asterism.discrete.energies.rods.network import (
     stretch_params,
     twist_params,
 )
-from asterism.discrete.energies.rods.stretch import RodStretch
-from asterism.discrete.energies.rods.twist import RodTwist
+from asterism.discrete.energies.rods.rod import RodBend, RodStretch, RodTwist
 from asterism.discrete.model.state import State, moved_state, rotate_vectors
 from asterism.discrete.model.system import System, rigid_motions
 from asterism.equilibrium.arrays import Array
@@ -84,7 +82,7 @@ def frame(name: str, edges: int, held: bool = True, kappa: float = 0.0) -> Frame
         "stretch": RodStretch(edge_dofs, edge_dofs, stretch_params(network, printed, e, w, h)),
         "bend": RodBend(*stencils, bend_params(network, printed, e, w, h, rest)),
         "twist": RodTwist(*stencils, twist_params(network, printed, e, nu, w, h)),
-        "joint": RodJoint(*joint_inputs(joints, n, len(w)), joint_params(joints, network, printed, e, nu, w, h, rest)),
+        "joint": RodJoint(*joint_inputs(joints, n, len(w)), joint_params(joints, printed, e, nu, w, h, rest)),
     }
     fixed = np.zeros(3 * n + len(w) + 3, dtype=bool)
     if held:

@@ -19,9 +19,8 @@ import pytest
 from asterism.discrete.energies.bending.hinges import Hinges, hinge_coefficients, interior_edges
 from asterism.discrete.energies.elements import Elements
 from asterism.discrete.energies.membrane import Membrane
-from asterism.discrete.energies.rods.bend import RodBend
 from asterism.discrete.energies.rods.network import RodNetwork, bend_params, rod_network, stencil_inputs, stencil_length
-from asterism.discrete.energies.rods.twist import RodTwist
+from asterism.discrete.energies.rods.rod import RodBend, RodTwist
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State, edge_tangents
 from asterism.discrete.model.system import System

@@ -12,7 +12,7 @@ import pytest
 from scipy.special import ellipe, ellipk
 
 from asterism.discrete.energies.rods.network import RodNetwork
-from asterism.discrete.energies.rods.stretch import RodStretch
+from asterism.discrete.energies.rods.rod import RodStretch
 from asterism.discrete.model.state import State, edge_tangents, moved_state
 from asterism.discrete.model.system import System
 from asterism.equilibrium.arrays import Array

@@ -25,10 +25,6 @@ from asterism.shape.shape import Shape
 OUTLINE_FORMATS = (".svg", ".csv")
 # largest coordinate in a CSV file, in its unit
 _MAX_COORDINATE = 1e6
-# mm, largest distance of a curve from its straight pieces
-_CURVE_MM = 0.005
-# largest gap of a closed line over the size of the drawing
-_MAX_GAP = 1e-3
 
 
 @dataclass(frozen=True)
@@ -86,7 +82,8 @@ def _from_drawing(path: Path, unit: str | None) -> Outline:
     """The largest closed line of all visible shapes of a drawing."""
     unit_mm = None if unit in (None, "mm") else MM[unit]
     try:
-        drawing = read_drawing(path, _CURVE_MM, unit_mm, silent_mm=1.0, fills=True)
+        # mm, largest distance of a curve from its straight pieces
+        drawing = read_drawing(path, 0.005, unit_mm, silent_mm=1.0, fills=True)
     except NoUnitError as error:
         raise ScanError(path, error.problem) from None
     except DrawingError as error:
@@ -94,7 +91,8 @@ def _from_drawing(path: Path, unit: str | None) -> Outline:
     if drawing.has_unit and unit is not None:
         raise ScanError(path, "says its own size: --units is for files without one")
     # lines that a program has traced may miss their start by more than rounding
-    rings = closed_curves(drawing.lines, max(MEET_MM, _MAX_GAP * float(drawing.size_mm.max())))
+    # largest gap of a closed line over the size of the drawing
+    rings = closed_curves(drawing.lines, max(MEET_MM, 1e-3 * float(drawing.size_mm.max())))
     if not rings and path.suffix.lower() == ".dxf":  # lines of CAD programs may cross at corners
         crossed = shapely.unary_union([shapely.LineString(line.points) for line in drawing.lines])
         areas = shapely.get_parts(shapely.unary_union(shapely.polygonize([crossed])))
@@ -105,12 +103,8 @@ def _from_drawing(path: Path, unit: str | None) -> Outline:
     return Outline(largest, len(rings), None if drawing.has_unit else unit or "mm")
 
 
-# spacing of the points along outline and silhouette
-_POINT_SPACING_MM = 0.25
 # initial rotations
 _ROTATION_STARTS = 72
-# half width of a triangle that is seen from its edge
-_EDGE_HALF_WIDTH_MM = 0.02
 
 
 @dataclass(frozen=True)
@@ -159,7 +153,8 @@ def silhouette(shape: Shape, view: str) -> Floats:
     seen = camera(*VIEWS[view], np.zeros(3)).project(shape.positions)[:, :2]
     # triangles that are seen from their edge are lines; a small width also closes the seams between triangles
     hulls = shapely.convex_hull(shapely.multipoints(seen[shape.triangles]))
-    whole = shapely.union_all(shapely.buffer(hulls, _EDGE_HALF_WIDTH_MM, quad_segs=2))
+    # half width of a triangle that is seen from its edge
+    whole = shapely.union_all(shapely.buffer(hulls, 0.02, quad_segs=2))
     largest = max(shapely.get_parts(whole), key=shapely.area)
     return np.asarray(largest.exterior.coords)[:-1]
 
@@ -203,7 +198,8 @@ def fit_outline(outline: Floats, target: Floats, trim: float = 0.1) -> OutlineFi
 def _along(corners: Floats) -> Floats:
     """Points with equal spacing along a closed line (n, 2) mm."""
     ring = shapely.LinearRing(corners)
-    count = max(round(ring.length / _POINT_SPACING_MM), 200)
+    # spacing of the points along outline and silhouette
+    count = max(round(ring.length / 0.25), 200)
     return shapely.get_coordinates(shapely.line_interpolate_point(ring, np.arange(count) * ring.length / count))
 
 

@@ -20,16 +20,10 @@ from asterism.measure.compare.scan import surface_samples
 from asterism.pattern.geometry.diameter import diameter
 from asterism.pattern.geometry.rigid_fit import rigid_fit
 
-# starts of the first stage with random rotations
-_RANDOM_STARTS = 200
 # Tukey's biweight gives no weight to points beyond so many standard deviations
 _TUKEY_CUTOFF = 4.685
 # key that sorts poses, the best first
 SPREAD = attrgetter("spread_mm")
-# a scan that is further off than this part of the shape's diameter has no pose worth its last steps
-_ROUGH_FIT = 0.05
-# smallest scale of the distances: errors of the shape's triangles and of the scanner
-_MIN_SCALE_MM = 0.02
 
 
 @dataclass(frozen=True)
@@ -83,13 +77,15 @@ def register(
     few, some, many = (
         points[rng.choice(len(points), min(len(points), count), replace=False)] for count in (150, 600, 3000)
     )
-    starts = _starts(points, coarse_target, effort * _RANDOM_STARTS, rng)
+    # starts of the first stage with random rotations
+    starts = _starts(points, coarse_target, effort * 200, rng)
     coarse = partial(closest_points, few, target=coarse_target.places, tree=coarse_target.tree, trim=trim)
     first = sorted((coarse(start, steps=4) for start in starts), key=SPREAD)[: effort * 50]
     best = distinct_poses([coarse(pose, steps=12) for pose in first])[: effort * 8]
     middle = sorted((_refine(some, pose, target, trim, 25) for pose in best), key=SPREAD)
     fine = distinct_poses(middle)[:4]
-    if middle[0].spread_mm < _ROUGH_FIT * diameter(vertices):
+    # a scan that is further off than this part of the shape's diameter has no pose worth its last steps
+    if middle[0].spread_mm < 0.05 * diameter(vertices):
         fine = [_refine(many, pose, target, trim, 60) for pose in fine]
     return distinct_poses(
         [replace(pose, spread_mm=_trimmed(np.abs(surface(pose(many)).distance), trim)) for pose in fine]
@@ -173,7 +169,8 @@ def _refine(points: Floats, pose: Pose, target: _Target, trim: float, most: int)
         direction = np.where(beyond[:, None], away / np.maximum(length, 1e-12)[:, None], direction)
         offset = np.where(beyond, length, along_normal)
         distance = np.where(near, np.abs(offset), reach)
-        scale = max(1.4826 * float(np.quantile(distance, (1 - trim) / 2)), _MIN_SCALE_MM)
+        # smallest scale of the distances: errors of the shape's triangles and of the scanner
+        scale = max(1.4826 * float(np.quantile(distance, (1 - trim) / 2)), 0.02)
         weight = np.maximum(1 - (distance / (_TUKEY_CUTOFF * scale)) ** 2, 0.0) ** 2 * near
         if np.count_nonzero(weight) < 10:
             return replace(pose, spread_mm=np.inf)

@@ -314,10 +314,10 @@ def draw_fit(fits: Sequence[StripFit], title: str, path_or_file: str | Path | IO
             axes.fill_between(h, low, high, color=colour, alpha=0.2, linewidth=0)
             axes.plot(h, middle, color=colour, linewidth=1.2)
         lie = f" {covered[0].direction}" if len(fits) > 1 else ""
-        _draw_readings(axes, fit, covered, colour, f"with fabric{lie}")
+        _draw_readings(axes, covered, colour, f"with fabric{lie}")
     if one.kappa_bar:
         axes.plot(h, residual_curvature(h, one.plastic().kappa_bar_per_mm), color=PEELED_COLOUR, linewidth=1.2)
-    _draw_readings(axes, one, [reading for reading in one.used if reading.peeled], PEELED_COLOUR, "peeled")
+    _draw_readings(axes, [reading for reading in one.used if reading.peeled], PEELED_COLOUR, "peeled")
     for reading, _ in {each for fit in fits for each in (*fit.left_out, *fit.outliers)}:
         place = (reading.thickness_mm, reading.curvature_per_mm or 0.0)
         axes.plot(*place, "x", color=DOUBTFUL_COLOUR, markersize=8)
@@ -338,7 +338,7 @@ def draw_fit(fits: Sequence[StripFit], title: str, path_or_file: str | Path | IO
     figure.savefig(path_or_file, format="png", dpi=150)
 
 
-def _draw_readings(axes: Axes, fit: StripFit, readings: list[Reading], colour: str, label: str) -> None:
+def _draw_readings(axes: Axes, readings: list[Reading], colour: str, label: str) -> None:
     bent = [(r.thickness_mm, r.curvature_per_mm) for r in readings if r.curvature_per_mm]
     flat = [(r.thickness_mm, 8 * FLAT_HEIGHT_MM / r.length_mm**2) for r in readings if r.curvature_per_mm is None]
     if bent:

@@ -139,8 +139,6 @@ def layer_heights(thicknesses_mm: tuple[float, ...], nozzle_mm: float) -> tuple[
     return first / 1000, others / 1000
 
 
-# largest size of the map of the strips
-MAP_MM = (180.0, 115.0)
 # pens of the form
 # frames, rules and notes
 HELP_PEN = DrawingLayer("help", "#7a7a82", 0.15)
@@ -214,7 +212,8 @@ def _map(new: StripsPrint) -> list[Polyline | Label]:
     """The strips on the bed at the foot of the page, in a round scale."""
     bed_mm = new.printer.bed_mm
     scales = (1, 2, 2.5, 3, 4, 5, 10, 20, 50)
-    parts = next(n for n in scales if all(bed <= n * room for bed, room in zip(bed_mm, MAP_MM, strict=True)))
+    # largest size of the map of the strips
+    parts = next(n for n in scales if all(bed <= n * room for bed, room in zip(bed_mm, (180.0, 115.0), strict=True)))
     width, depth = bed_mm[0] / parts, bed_mm[1] / parts
     centre = (A4_MM[0] / 2, 12.0 + depth / 2)
     grain = ", grain from left to right" if new.settings.both_directions else ""

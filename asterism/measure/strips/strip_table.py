@@ -37,8 +37,6 @@ _ARC_TOLERANCE = 0.1
 _MAX_HEIGHT_OVER_WIDTH = 1.02
 # ... and this length
 _HEIGHT_READING_ERROR_MM = 1.0
-# the columns count as swapped if the median curvature of peeled strips is larger than with fabric by this factor
-_SWAPPED_CURVATURE_RATIO = 1.5
 
 
 @dataclass(frozen=True)
@@ -201,7 +199,8 @@ def _check_not_swapped(rows: list[Row], readings: list[Reading]) -> None:
     curvature = {(each.strip, each.peeled): abs(each.curvature_per_mm or 0.0) for each in readings if not each.left_out}
     strips = [strip for strip, peeled in curvature if peeled and (strip, False) in curvature]
     pairs = np.array([[curvature[strip, False], curvature[strip, True]] for strip in strips]).reshape(-1, 2)
-    if not len(pairs) or np.median(pairs[:, 1]) <= _SWAPPED_CURVATURE_RATIO * np.median(pairs[:, 0]):
+    # the columns count as swapped if the median curvature of peeled strips is larger than with fabric by this factor
+    if not len(pairs) or np.median(pairs[:, 1]) <= 1.5 * np.median(pairs[:, 0]):
         return
     first = int(np.argmax(pairs[:, 1] > pairs[:, 0]))
     row = next(row for row in rows if row.cells["strip"] == strips[first])

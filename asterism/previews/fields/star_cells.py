@@ -84,8 +84,6 @@ class CellGrid:
         return inside
 
 
-# resolution of the grid
-GRID_POINTS_PER_SPACING = 20
 # smallest width of the Gaussian, in spacings: it takes one and a half steps of a grid that is still fast
 MIN_WIDTH = 0.08
 # arms of this length, in spacings, reach half way to the next star, where cells of long arms overlap
@@ -187,7 +185,8 @@ class StarCells:
         self.spacing_mm, self.model = lattice.spacing_mm, model
         self.widths_mm = HALF_WAY * model.smoothing_per_arm * lattice.spacing_mm, MIN_WIDTH * lattice.spacing_mm
         self._stars = len(layout.centres)
-        step = min(lattice.spacing_mm / GRID_POINTS_PER_SPACING, self.widths_mm[1] / 1.5)
+        # resolution of the grid
+        step = min(lattice.spacing_mm / 20, self.widths_mm[1] / 1.5)
         self._grid = CellGrid(layout, lattice, step, GAUSSIAN_REACH * self.widths_mm[0])
 
     def weights(self, points: Floats, width: float) -> sp.csr_matrix:

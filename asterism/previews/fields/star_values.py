@@ -25,13 +25,9 @@ from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 
 # quantities of the law that change their sign with the side of the plastic, beside c3
 MIRRORED = ("kappa", "offset_mm")
-# star sizes that differ by at most this part are equal
-EQUAL_SIZES = 0.01
 # share of the bending stiffness that the sixfold term may take away in one direction: cells of the paper's material
 # stay below
 MAX_SIXFOLD_SHARE = 0.7
-# if a larger share of the stars is not scale-separated, caps are among the initial guesses
-MAX_TIGHT_SHARE = 0.4
 
 
 @dataclass(frozen=True)
@@ -71,12 +67,14 @@ class StarValues:
     @property
     def has_tight_curls(self) -> bool:
         """Whether so many stars are not scale-separated that caps are among the initial guesses."""
-        return len(self.not_scale_separated) > MAX_TIGHT_SHARE * len(self.sizes)
+        # if a larger share of the stars is not scale-separated, caps are among the initial guesses
+        return len(self.not_scale_separated) > 0.4 * len(self.sizes)
 
     @property
     def is_uniform(self) -> bool:
         """Whether all stars have one size, on one side of the fabric."""
-        equal = (np.ptp(self.sizes, axis=0) <= EQUAL_SIZES * self.sizes.max(axis=0)).all()
+        # star sizes that differ by at most this part are equal
+        equal = (np.ptp(self.sizes, axis=0) <= 0.01 * self.sizes.max(axis=0)).all()
         return bool(equal and np.ptp(self.side[:-1]) == 0)
 
 
@@ -179,7 +177,7 @@ class StarShares:
     shape : shape of the fields, (T, Q) with n = T Q.
     directions : (N, 2) unit vectors of the arms of a star.
     arms : for each of them the shares half a spacing back along it.
-    normals : (n, 2) normals of free sides (`asterism.previews.fields.rim_arms.free_normals`).
+    normals : (n, 2) normals of free sides (`asterism.previews.fields.sheet_fields.free_normals`).
     carried : (S, N) share of the natural curvature that arms carry into a free rim; None for supported sheets.
     spacing_mm : of the stars.
     model : constants of the preview.

@@ -24,8 +24,6 @@ _TYPES = "http://schemas.openxmlformats.org/package/2006/content-types"
 _MODEL = "3D/3dmodel.model"
 # settings of single objects, as PrusaSlicer reads them; other programs pass over this file
 _SETTINGS = "Metadata/Slic3r_PE_model.config"
-# a fixed date: equal solids give equal files
-_FILE_DATE = (1980, 1, 1, 0, 0, 0)
 # more walls than half the lines of the widest arm
 WALLS = 20
 
@@ -42,7 +40,8 @@ def write_3mf(path: Path, solids: Sequence[Solid], title: str, rounding: Roundin
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as package:
         for name, root in files.items():
             content = xml.tostring(root, encoding="UTF-8", xml_declaration=True)
-            package.writestr(zipfile.ZipInfo(name, _FILE_DATE), content, zipfile.ZIP_DEFLATED)
+            # a fixed date: equal solids give equal files
+            package.writestr(zipfile.ZipInfo(name, (1980, 1, 1, 0, 0, 0)), content, zipfile.ZIP_DEFLATED)
 
 
 def _model(solids: Sequence[Solid], title: str) -> xml.Element:

@@ -138,14 +138,6 @@ def mesh_error_in_words(record: ExactRecord) -> str:
     return f"not known, the stiffness of the hinges follows the mesh; {apart}"
 
 
-def _stars(record: ExactRecord) -> str | None:
-    return f"{record.stars_up} of {record.stars_total} up" if record.stars_total else None
-
-
-def _rods(record: ExactRecord) -> str | None:
-    return None if record.stars_total else f"{record.rods_total}, {record.joints_total} joints"
-
-
 def _bond(record: ExactRecord) -> str | None:
     if record.peel_n_per_mm is None or record.peel_at_mm is None:
         return None
@@ -176,8 +168,8 @@ class ExactRecord(StartsRecord, MeshErrorRecord, BondRecord, PatternRecord, Shap
 
     model_name = "exact"
     rows: ClassVar = {
-        "stars_up": ("stars", _stars),
-        "rods_total": ("rods", _rods),
+        "stars_up": ("stars", lambda r: f"{r.stars_up} of {r.stars_total} up" if r.stars_total else None),
+        "rods_total": ("rods", lambda r: None if r.stars_total else f"{r.rods_total}, {r.joints_total} joints"),
         **HEIGHT_ROW,
         "spread": ("prints", lambda record: record.spread.rows_in_words()),
         **SIZE_ROWS,

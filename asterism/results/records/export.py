@@ -147,18 +147,9 @@ def _tiny_stars(record: ExportRecord) -> str | None:
     return f"{len(tiny)}, may jump off: at {places}" + (", ..." if len(tiny) > MAX_LISTED_TINY_STARS else "")
 
 
-def _cut_line(record: ExportRecord) -> str | None:
-    return None if record.printed_border else "not printed, in layout.pdf"
-
-
 def _z_offset(record: ExportRecord) -> str:
     fabric = "stretched fabric" if record.fabric_given else "released fabric; measure it stretched: --fabric"
     return f"{record.z_offset_mm:.2f} mm (plate and {fabric}), in start.gcode"
-
-
-def _check_square(record: ExportRecord) -> str:
-    before, (x, y) = record.check_square_mm.before[0], record.check_square_mm.after
-    return f"{before:g} mm before stretching, {x:.1f} x {y:.1f} mm after"
 
 
 def _needles_in_plastic(record: ExportRecord) -> str | None:
@@ -184,9 +175,13 @@ class ExportRecord(Record):
         "rounding": ("rounding", _rounding),
         "shape_change": ("change of shape", _shape_change),
         "tiny_stars": ("tiny pieces", _tiny_stars),
-        "printed_border": ("cut line", _cut_line),
+        "printed_border": ("cut line", lambda record: None if record.printed_border else "not printed, in layout.pdf"),
         "z_offset_mm": ("z offset", _z_offset),
-        "check_square_mm": ("check square", _check_square),
+        "check_square_mm": (
+            "check square",
+            "{check_square_mm[before][0]:g} mm before stretching, "
+            "{check_square_mm[after][0]:.1f} x {check_square_mm[after][1]:.1f} mm after",
+        ),
         "needles": ("needles", "{needles}"),
         "needles_in_plastic": ("in plastic", _needles_in_plastic),
         "hangs_below_base_mm": ("hangs", _hangs),

@@ -14,18 +14,6 @@ def _reached(record: FitRecord) -> str:
     return f"{best.mean_percent:.2f} % of the diameter rms{weighted}, {best.largest_percent:.1f} % at most ({by})"
 
 
-def _preview(record: FitRecord) -> str:
-    return f"{record.preview.mean_percent:.2f} %, first guess {record.first_guess.mean_percent:.2f} %"
-
-
-def _print(record: FitRecord) -> str:
-    return f"{record.stars} stars, {record.held_by}, stretch {record.stretch:g}"
-
-
-def _contraction(record: FitRecord) -> str:
-    return f"ratio {record.needed_ratio:.3f} needed, {record.available_ratio:.3f} available"
-
-
 class TargetDistanceRecord(Record):
     """Distance of a shape to a target, in % of the target's diameter.
 
@@ -75,10 +63,10 @@ class FitRecord(StagesRecord, ReachRecord):
     last = ("warnings", "version", "design")
     rows: ClassVar = {
         "target": ("target", "{target}, {diameter_mm:.1f} mm"),
-        "stars": ("print", _print),
-        "needed_ratio": ("contraction", _contraction),
+        "stars": ("print", lambda record: f"{record.stars} stars, {record.held_by}, stretch {record.stretch:g}"),
+        "needed_ratio": ("contraction", "ratio {needed_ratio:.3f} needed, {available_ratio:.3f} available"),
         "reached": ("distance", _reached),
-        "preview": ("preview", _preview),
+        "preview": ("preview", "{preview[mean_percent]:.2f} %, first guess {first_guess[mean_percent]:.2f} %"),
         "rounding_loss_percent": ("loss by rounding", "{rounding_loss_percent:.3f} % of the diameter"),
     }
 

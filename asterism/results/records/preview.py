@@ -52,11 +52,6 @@ def _other_forms(record: PreviewRecord) -> dict[str, str] | None:
     return {f"other form {number}": form.in_words() for number, form in enumerate(record.other_forms, 1)} or None
 
 
-def _law(record: PreviewRecord) -> str:
-    law = record.law
-    return f"{law.material}, stretch {law.stretch:g}, edges of {law.edge_mm:g} mm"
-
-
 def _stars(record: PreviewRecord) -> str | None:
     """The row on the stars; None for the motif of drawn rods."""
     outside, tight = len(record.stars_outside_law), len(record.stars_tight)
@@ -95,7 +90,7 @@ class PreviewRecord(ExpectedErrorRecord, ShapeRecord):
         **STABLE_ROW,
         "expected_rms_percent": ("estimated error", _expected_distance),
         "other_forms": ("other form", _other_forms),
-        "law": ("law", _law),
+        "law": ("law", "{law[material]}, stretch {law[stretch]:g}, edges of {law[edge_mm]:g} mm"),
         "shell_triangles": ("shell", "{shell_triangles} triangles, {dofs} unknowns"),
         **WORK_ROW,
     }

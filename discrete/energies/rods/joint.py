@@ -17,8 +17,14 @@ import numpy as np
 
 from asterism.discrete.energies.elements import Elements
 from asterism.discrete.energies.kernel import combine, cross, formula, point, sweep
-from asterism.discrete.energies.rods.bend import bend_energy, bend_gradient, bend_hessian
-from asterism.discrete.energies.rods.twist import twist_energy, twist_gradient, twist_hessian
+from asterism.discrete.energies.rods.rod import (
+    bend_energy,
+    bend_gradient,
+    bend_hessian,
+    twist_energy,
+    twist_gradient,
+    twist_hessian,
+)
 
 
 @formula

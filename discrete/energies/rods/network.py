@@ -213,7 +213,6 @@ def joint_inputs(joints: JointNetwork, n_vertices: int, n_edges: int) -> tuple[A
 
 def joint_params(
     joints: JointNetwork,
-    network: RodNetwork,
     printed: Array,
     modulus: float,
     poisson: float,

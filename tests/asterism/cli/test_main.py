@@ -230,9 +230,9 @@ CASES = [
     (["sweep", "d.toml", *VARY], "d-sweep/designs", "sweeps.sweep.sweep_design"),
     (["compare", "d", "scan.obj"], "scan-compared/compare.png/", "measure.compare.compare.compare"),
     (["compare-designs", "d.toml", "d.toml", "-o", "p.html"], "p.html/", "reports.compare_designs.prepare"),
-    ([*FIT, "f.toml"], "f.toml/", "fitting.load_target.load_target"),
-    ([*FIT, "f.toml"], "f-fit/target.obj/", "fitting.load_target.load_target"),
-    (["law", "show"], "paper-law/law.png/", "laws.law_picture.law_figure"),
+    ([*FIT, "f.toml"], "f.toml/", "fitting.target.load_target"),
+    ([*FIT, "f.toml"], "f-fit/target.obj/", "fitting.target.load_target"),
+    (["law", "show"], "paper-law/law.png/", "laws.show_law.law_figure"),
     (["calibrate", "d.toml"], "d-law.npz/", "laws.calibrate.run_campaign"),
     (["picture", "d", "-o", "p"], "p/d-oblique.png/", "shape.vtu.read_shape"),
 ]

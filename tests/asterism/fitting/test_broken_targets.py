@@ -12,7 +12,7 @@ from hypothesis.extra.numpy import array_shapes, arrays
 
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.errors import Error
-from asterism.fitting.load_target import load_target
+from asterism.fitting.target import load_target
 from tests.asterism.commands import Cli
 from tests.asterism.fitting.broken_targets import BROKEN_FILES, BrokenTarget, dome, meshed, png_bytes
 

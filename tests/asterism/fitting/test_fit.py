@@ -14,8 +14,9 @@ import pytest
 import trimesh
 
 from asterism.fitting.first_guess import guess_design
-from asterism.fitting.fit import Fit, fit
+from asterism.fitting.fit import Fit
 from asterism.fitting.residual import FitPlaces, Residual
+from asterism.fitting.run import fit
 from asterism.fitting.settings import FitSettings, SettingError
 from asterism.fitting.target import TargetSurface
 from asterism.pattern.layout.build import layout, load_design

@@ -15,8 +15,7 @@ from PIL import Image
 from asterism.equilibrium.arrays import Floats
 from asterism.fitting.disk import disk_of, height_mesh
 from asterism.fitting.errors import TargetError
-from asterism.fitting.load_target import load_target
-from asterism.fitting.target import TargetSurface
+from asterism.fitting.target import TargetSurface, load_target
 from tests.asterism.fitting.broken_targets import dome
 
 WIDTH, RISE = 90.0, 12.0

@@ -12,8 +12,8 @@ from PIL import Image
 from asterism.equilibrium.arrays import Floats
 from asterism.fitting.errors import TargetError
 from asterism.fitting.first_guess import FirstGuess, guess_design
-from asterism.fitting.fit import fit
 from asterism.fitting.residual import FitDistance, FitPlaces, Residual, SheetState
+from asterism.fitting.run import fit
 from asterism.fitting.search import moves_at
 from asterism.fitting.settings import FitSettings
 from asterism.fitting.target import TargetSurface

@@ -15,10 +15,9 @@ import pytest
 from matplotlib.figure import Figure
 from PIL import Image
 
-from asterism.homogenize.campaign.campaign import SampleRecord
 from asterism.homogenize.campaign.workers import CampaignProgress
 from asterism.homogenize.law.law_file import law_digest, load_law
-from asterism.homogenize.law.plan import CellTask
+from asterism.homogenize.law.plan import CellTask, SampleRecord
 from asterism.process.progress_line import CountLine
 from tests.asterism.commands import Cli
 from tests.homogenize import same_process
@@ -77,7 +76,7 @@ def test_show_writes_a_picture_and_a_summary(place: Path, cli: Cli, monkeypatch:
 
 @pytest.mark.slow
 def test_the_law_that_comes_with_the_package(here: Path, cli: Cli, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("asterism.laws.law_picture.law_figure", lambda law: Figure())  # it takes seconds
+    monkeypatch.setattr("asterism.laws.show_law.law_figure", lambda law: Figure())  # it takes seconds
     shown = cli(["law", "show"])
     assert shown.status == 0, shown.err
     assert "stretch 1.75" in shown.out and (here / "paper-law" / "law.png").exists()

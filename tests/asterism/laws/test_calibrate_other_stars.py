@@ -11,7 +11,7 @@ from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.anisotropy import ANISOTROPY_SIZE, sample_anisotropy
 from asterism.homogenize.law.law_file import load_law
 from asterism.homogenize.law.star_law import StarLaw
-from asterism.laws.law_text import directions_warning
+from asterism.laws.show_law import directions_warning
 from asterism.pattern.design.design import Design
 from asterism.previews.session import Preview
 from tests.asterism.laws.test_calibrate import PLAN, run

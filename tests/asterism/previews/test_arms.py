@@ -12,7 +12,7 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.geometry.planar import distance_to_outline
 from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.previews.session import Preview
-from asterism.previews.star_lens import Arms, arm_shares
+from asterism.previews.sheet import Arms, arm_shares
 from tests.asterism.previews.laws import plain_law
 from tests.homogenize.cells import design as cell_design
 from tests.homogenize.cells import relaxed

@@ -10,7 +10,7 @@ from asterism.pattern.geometry.planar import inside, triangle_areas
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
 from asterism.pattern.mesh.meshing import mesh_layout
-from asterism.previews.fields.rim_arms import free_normals, hole_sites, rim_curvature_share
+from asterism.previews.fields.sheet_fields import free_normals, hole_sites, rim_curvature_share
 from asterism.previews.fields.star_cells import CellGrid
 from asterism.previews.session import Preview
 from asterism.previews.sheet import Sheet

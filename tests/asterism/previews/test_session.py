@@ -23,7 +23,7 @@ from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
 from asterism.previews.fields.star_values import MAX_SIXFOLD_SHARE, star_values
 from asterism.previews.session import Preview
-from asterism.previews.star_lens import BUMP_TURN_RAD, Arms
+from asterism.previews.sheet import BUMP_TURN_RAD, Arms
 from asterism.shape.comparison import compare_shapes
 from tests.asterism.previews.designs import edited
 from tests.asterism.previews.laws import SPACING, plain_law, with_values

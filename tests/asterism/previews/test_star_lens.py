@@ -14,14 +14,14 @@ from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.painted_stars import with_painted_stars
 from asterism.previews.fields.star_cells import CELL_RADIUS
 from asterism.previews.fields.star_values import star_values
-from asterism.previews.sheet import Sheet
-from asterism.previews.star_lens import (
+from asterism.previews.sheet import (
     BUMP_STRAIN,
     CREASE_ROUNDING,
     DECAY_LENGTHS,
     FABRIC_BESIDE_ARM,
     FABRIC_BEYOND_TIP,
     Arms,
+    Sheet,
     arm_shares,
     corrugation_heights,
     flattening,

@@ -14,7 +14,7 @@ from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.painted_stars import with_painted_stars
 from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.previews.session import Preview
-from asterism.previews.star_lens import StarLens
+from asterism.previews.sheet import StarLens
 from asterism.studio.engine_frames import SheetView
 from asterism.studio.sheet_frames import FABRIC_MM, SheetMarks
 from tests.asterism.previews.laws import plain_law

@@ -7,8 +7,7 @@ import pytest
 
 from asterism.discrete.energies.bending.hinges import interior_edges
 from asterism.discrete.energies.elements import Elements
-from asterism.discrete.energies.membrane import Membrane
-from asterism.discrete.energies.side_membrane import SideMembrane, flat_share
+from asterism.discrete.energies.membrane import Membrane, SideMembrane, flat_share
 from asterism.equilibrium.arrays import Array
 from asterism.homogenize.cell.unit_cell import UnitCell
 from asterism.pattern.design.design import Design

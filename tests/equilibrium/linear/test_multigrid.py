@@ -16,13 +16,13 @@ from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.errors import BackendError
 from asterism.equilibrium.linear import backends, multigrid
 from asterism.equilibrium.linear.backends import available, make_factor, make_solver
-from asterism.equilibrium.linear.conjugate_gradients import (
+from asterism.equilibrium.linear.multigrid import (
     ConjugateGradients,
+    MultigridFactor,
     NotPositiveDefiniteError,
     proves_definite,
     solve_by_conjugate_gradients,
 )
-from asterism.equilibrium.linear.multigrid import MultigridFactor
 from asterism.equilibrium.linear.sparse_pattern import SparsePattern
 from asterism.equilibrium.newton import certificate
 from asterism.equilibrium.newton.certificate import smallest_eigenvalue

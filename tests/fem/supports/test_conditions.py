@@ -14,13 +14,14 @@ from asterism.fem.elements.deformation import Deformation, affine, flat
 from asterism.fem.supports.conditions import (
     Condition,
     ConditionError,
+    Contradiction,
     EdgeSupport,
     PointSupport,
     edge_curve,
+    eliminate,
     impose_conditions,
     vertices_at,
 )
-from asterism.fem.supports.elimination import Contradiction, eliminate
 from tests.fem.meshes import annulus, facets_where, rectangle, turned
 
 NU = 0.3

@@ -17,13 +17,13 @@ from typing import Any
 import pytest
 
 from asterism.homogenize.campaign import workers
-from asterism.homogenize.campaign.campaign import SampleRecord, run_campaign
+from asterism.homogenize.campaign.campaign import run_campaign
 from asterism.homogenize.campaign.fit_law import fit_law
 from asterism.homogenize.campaign.workers import CampaignProgress
 from asterism.homogenize.errors import AddressError, CampaignError
 from asterism.homogenize.law.law_file import law_bytes, law_digest
 from asterism.homogenize.law.material import Material
-from asterism.homogenize.law.plan import LawPlan
+from asterism.homogenize.law.plan import LawPlan, SampleRecord
 from tests.event_loop import run_coroutine
 from tests.homogenize import fake, same_process
 

@@ -16,14 +16,13 @@ from hypothesis.extra import numpy as hnp
 from scipy.interpolate import Akima1DInterpolator, CubicSpline, PchipInterpolator
 
 from asterism.equilibrium.arrays import Floats
-from asterism.homogenize.campaign.campaign import SampleRecord
 from asterism.homogenize.campaign.fit_law import fill_failed_rows, fit_law, held_out_errors, sample_quantities
 from asterism.homogenize.campaign.kept_samples import attempt
 from asterism.homogenize.errors import CampaignError, ForeignLaw, LawError
 from asterism.homogenize.law.hermite_grid import HermiteGrid, SlopeRule, node_slopes
 from asterism.homogenize.law.law_file import law_bytes, law_digest, load_law
 from asterism.homogenize.law.material import Material
-from asterism.homogenize.law.plan import CellTask, LawPlan
+from asterism.homogenize.law.plan import CellTask, LawPlan, SampleRecord
 from asterism.homogenize.law.star_law import QUANTITY_NAMES, StarLaw, to_stored
 from asterism.pattern.design.design import Design
 from tests.homogenize import fake

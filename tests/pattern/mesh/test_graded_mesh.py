@@ -7,7 +7,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from asterism.discrete.energies.bending.plate_patches import patches
+from asterism.discrete.energies.bending.plate import patches
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.planar import triangle_angles, triangle_areas

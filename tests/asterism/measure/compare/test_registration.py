@@ -11,10 +11,10 @@ from scipy.spatial import Delaunay
 from scipy.spatial.transform import Rotation
 
 from asterism.equilibrium.arrays import Floats
+from asterism.measure.compare.compare import compare_scan, fitted_size
 from asterism.measure.compare.nearest import NearestOnSurface
 from asterism.measure.compare.registration import register
 from asterism.measure.compare.scan import Scan, surface_samples
-from asterism.measure.compare.scan_comparison import compare_scan, fitted_size
 from asterism.pattern import gallery
 from asterism.pattern.geometry.diameter import diameter
 from asterism.pattern.geometry.normals import vertex_normals

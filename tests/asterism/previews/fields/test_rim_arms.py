@@ -11,7 +11,7 @@ from asterism.exact.simulation import exact_shape
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-from asterism.previews.fields.rim_arms import (
+from asterism.previews.fields.sheet_fields import (
     RIM_ARM_FULL,
     RIM_ARM_START,
     arm_curvature,
@@ -19,8 +19,8 @@ from asterism.previews.fields.rim_arms import (
     hole_sites,
     in_holes,
     rim_curvature_share,
+    without,
 )
-from asterism.previews.fields.sheet_fields import without
 from asterism.previews.fields.star_values import star_values
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.session import Preview

@@ -7,8 +7,7 @@ import pytest
 
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-from asterism.previews.motif_rims import holes_within_cells, rims_of, small_holes
-from asterism.previews.motif_sheet import MotifSheet
+from asterism.previews.motif_sheet import MotifSheet, holes_within_cells, rims_of, small_holes
 from asterism.previews.session import Preview
 from tests.asterism.previews.motifs.nets import net, net_law
 

@@ -9,8 +9,14 @@ import shapely
 from asterism.discrete.energies.membrane import Membrane
 from asterism.pattern.design.materials import Fabric
 from asterism.pattern.layout.build import layout
-from asterism.previews.motif_rims import reach_mm, to_first_rod
-from asterism.previews.motif_sheet import MotifSheet, bare_fabric, fabric_bending, fabric_tension
+from asterism.previews.motif_sheet import (
+    MotifSheet,
+    bare_fabric,
+    fabric_bending,
+    fabric_tension,
+    reach_mm,
+    to_first_rod,
+)
 from tests.asterism.previews.motifs.nets import GRADED, net, net_law
 
 

@@ -10,8 +10,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.linalg import spsolve
 
 from asterism.discrete.energies.bending.hinges import Hinges, fold_coefficients, interior_edges
-from asterism.discrete.energies.bending.plate import Plate
-from asterism.discrete.energies.bending.plate_patches import patches
+from asterism.discrete.energies.bending.plate import Plate, patches
 from asterism.discrete.energies.membrane import Membrane
 from asterism.discrete.model.state import State
 from asterism.discrete.model.system import System
