@@ -141,7 +141,7 @@ def said(scale: float = 1.0, **changes: Any) -> list[str]:
     ("changes", "line"),
     [
         ({"scale": 2.0}, "the pins hold the sheet 2 times as wide"),
-        ({"stars_off_branch": [3]}, "1 of 19 stars of the exact shape are not on the side that the design asks for"),
+        ({"stars_off_branch": [3]}, "1 of 19 stars of the exact shape is not on the side that the design asks for"),
         ({"self_intersections": 4}, "passes through itself (4 pairs of triangles); --contact prevents this"),
         ({"self_intersections": 4, "self_contact": {"pairs": 0}}, "(4 pairs of triangles)"),
         ({"is_minimum": False, "smallest_eigenvalue": -1e-5}, "smallest eigenvalue -1.0e-05 N/mm is not positive"),
