@@ -142,7 +142,7 @@ def test_two_minima_of_nearly_one_energy_are_told(energy: float, apart: float, t
 def test_what_the_exact_model_said_is_passed_on_once() -> None:
     """But what the preview said of the same pins, and what is said here in other words."""
     roll, pins = "the radius of a free roll depends on the mesh", "the pins let the sheet swing"
-    crossing = "the sheet passes through itself (4 pairs of triangles); --contact prevents this"
+    crossing = "the sheet passes through itself (4 crossings); --contact prevents this"
     lines = said(
         preview={"warnings": [pins]}, self_intersections=4, self_contact=None, stars_down=[3], stars_off_branch=[3],
         warnings=[crossing, roll, OFF, pins],
