@@ -296,6 +296,23 @@ function drawCross({ context, colour }, plan, [x, y]) {
   }
 }
 
+/** The kind of regular shape that the outline is, and its size; without a kind the size of any outline, in whole mm. */
+export function regularOf(sheet) {
+  const { border = {} } = sheet.design;
+  const { rings, rectangle_mm, circle_mm, polygon_mm, bulge_mm, spline_mm } = border;
+  const table = JSON.stringify({ rings, rectangle_mm, circle_mm, polygon_mm, bulge_mm, spline_mm });
+  const [{ axes }] = curvesOf(sheet);
+  const [width, height] = rectangle_mm ?? (axes ? axes.map((half) => 2 * half) : sheet.box.size.map((side) => round(side)));
+  const [first, ...others] = polygon_mm ?? [[0, 0]];
+  const found = [
+    { kind: "hexagon", rings },
+    { kind: "rectangle", width, height },
+    { kind: "circle", width, height },
+    { kind: "polygon", width: round(2 * first[1]), sides: others.length + 1 },
+  ].find((one) => table !== "{}" && JSON.stringify(regularShape(one.kind, one)) === table);
+  return { width: Math.round(width), height: Math.round(height), ...found };
+}
+
 /** The table of a regular shape of a size, in mm. */
 export function regularShape(kind, { width, height, sides, rings }) {
   if (kind === "rectangle") return { rectangle_mm: [width, height] };
