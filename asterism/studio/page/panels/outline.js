@@ -30,6 +30,7 @@ export function outlinePanel({ store, edits, tools, actions }, { on }) {
   const sizes = [
     field(widthText, "width", ["rectangle", "polygon", "circle", "l"], { field: "border.rectangle_mm" }),
     field("Height", "height", ["rectangle", "circle", "l"]),
+    field("Width of a leg", "leg", ["l"], { limits: () => [1, Math.min(shape.width, shape.height) - 1] }),
     field("Corners", "sides", ["polygon"], { ...counts, min: 3, max: 120 }),
     field("Rings of stars", "rings", ["hexagon"], { ...counts, min: 0, max: 40, field: "border.rings" }),
   ];

@@ -43,7 +43,14 @@ def test_regular_outlines(page: StudioPage) -> None:
     assert len(outline(page)) == 5
     page.changed(lambda: page.item("shape-l").click())
     corners = outline(page)
-    assert len(corners) == 6 and [0.0, 0.0] in corners and [50.0, 40.0] not in corners
+    assert len(corners) == 6 and [-5.0, 0.0] in corners and [50.0, 45.0] not in corners
+    page.changed(lambda: page.fill("shape-leg", 25))
+    assert [-25.0, -20.0] in outline(page)
+    page.fill("shape-leg", 95)
+    assert page.page.locator(".field", has=page.item("shape-leg")).inner_text().endswith("From 1 mm to 89 mm")
+    page.changed(lambda: page.fill("shape-leg", 60))
+    page.changed(lambda: page.fill("shape-height", 50))  # a leg has at most half of the width then
+    assert page.item("shape-leg").input_value() == "25"
     page.changed(lambda: page.item("shape-hexagon").click())
     assert page.get("studio.document.design.border.rings") == 2
     page.changed(lambda: page.item("undo").click())

@@ -309,17 +309,20 @@ export function regularOf(sheet) {
     { kind: "rectangle", width, height },
     { kind: "circle", width, height },
     { kind: "polygon", width: round(2 * first[1]), sides: others.length + 1 },
+    { kind: "l", width, height, leg: round((others[1]?.[1] ?? 0) - first[1]) },
   ].find((one) => table !== "{}" && JSON.stringify(regularShape(one.kind, one)) === table);
-  return { width: Math.round(width), height: Math.round(height), ...found };
+  return { width: Math.round(width), height: Math.round(height), leg: null, ...found };
 }
 
 /** The table of a regular shape of a size, in mm. */
-export function regularShape(kind, { width, height, sides, rings }) {
+export function regularShape(kind, { width, height, leg, sides, rings }) {
   if (kind === "rectangle") return { rectangle_mm: [width, height] };
   if (kind === "hexagon") return { rings };
   if (kind === "l") {
     const [x, y] = [width / 2, height / 2];
-    return { polygon_mm: [[-x, -y], [x, -y], [x, 0], [0, 0], [0, y], [-x, y]] };
+    const least = Math.min(width, height);
+    const [right, upper] = [x, y].map((half) => (leg < least && leg ? leg : least / 2) - half); // the inner corner
+    return { polygon_mm: [[-x, -y], [x, -y], [x, upper], [right, upper], [right, y], [-x, y]] };
   }
   if (kind === "circle") return { circle_mm: circleOf([0, 0], [width / 2, height / 2]) };
   return { polygon_mm: ellipse([0, 0], [width / 2, width / 2], { count: sides, start: Math.PI / 2 }) };
