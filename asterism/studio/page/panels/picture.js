@@ -2,6 +2,7 @@
 
 import { button, check, choice, dialog, h, labelled, show } from "../dom.js";
 import { numberField } from "./fields.js";
+import { toast } from "./toasts.js";
 
 /** What a picture says about itself: the design and the state of its shape. */
 export const pictureTitle = (store) => `${store.get("document")?.name ?? "sheet"} · ${store.get("badge").words}`;
@@ -62,6 +63,7 @@ export function openPicture({ store, view, actions }) {
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 10000);
     element.close();
+    toast(`Saved as ${link.download} among this browser's downloads.`);
   }
   const release = button({
     text: "GIF of the release",

@@ -118,6 +118,7 @@ def test_a_picture_is_saved_at_a_chosen_size(shared: StudioPage) -> None:
     shared.item("picture").click()
     shared.item("picture-size").select_option("1920 × 1080")
     red, _, blue = (large := saved()).split()
+    assert "Saved as plain.png" in shared.item("toast").last.inner_text()
     assert large.size == (1920, 1080)
     # what is selected is blue on the page only, and stays selected
     assert ImageChops.subtract(blue, red).getextrema()[1] < 40
