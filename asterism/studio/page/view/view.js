@@ -51,6 +51,7 @@ export class View {
   #light = 0; // shadows of the present shape: 1 of the sun, 2 also of the sky
   #fullMs = 0; // of the last picture with all its light
   #rest = 0;
+  #isSaved = false; // whether what is drawn is a picture to save: its board is light, whatever the scheme of the page
   #share = 1; // of the way from the preview to the exact shape
   #staleTimer = 0;
   #agedFrame = null;
@@ -351,7 +352,11 @@ export class View {
     const sheet = { surface: this.sheetSurface, coloured, weave: coloured ? 0 : 0.04 };
     const surfaces = [];
     if (this.camera.eye[2] > this.#level)
-      surfaces.push({ surface: this.boardSurface, base: BOARDS[isDark(this.canvas) ? "dark" : "light"], line: [...INK, 0.45] });
+      surfaces.push({
+        surface: this.boardSurface,
+        base: BOARDS[isDark(this.canvas) && !this.#isSaved ? "dark" : "light"],
+        line: [...INK, 0.45],
+      });
     const top = { ...sheet, base: front, back, line: [...INK, 0.8], casts: true };
     if (isQuick) surfaces.push(top);
     else
@@ -415,6 +420,7 @@ export class View {
     this.camera = Object.assign(new Camera(), isSmall ? {} : camera);
     this.camera.fit(isSmall ? this.#tops : [...this.#tops, ...this.#corners], width / height);
     if (isSmall) this.isColoured = false;
+    this.#isSaved = !isSmall;
     const fine = 2 * Math.max(width, height) <= this.renderer.largestPx ? 2 : 1;
     if (isSmall) this.draw(0.5, [4 * width, 4 * height]); // quick, on twice the pixels
     else this.draw(1, [fine * width, fine * height]);
@@ -429,6 +435,7 @@ export class View {
     context.drawImage(this.canvas, 0, 0, width, height);
     if (title !== null) caption(context, title, this.camera.pixelMm(height));
     this.camera = camera;
+    this.#isSaved = false;
     if (!isSmall) this.draw();
     return new Promise((resolve) => flat.toBlob(resolve, "image/png"));
   }
