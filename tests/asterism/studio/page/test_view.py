@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 import trimesh
+from PIL import Image
 
 from tests.asterism.studio.browser import IS_MEASURED, StudioPage
 
@@ -54,6 +55,34 @@ def test_bumps_are_left_out_and_a_target_is_laid_on_the_sheet_and_a_reload_keeps
     page.item("remove-target").click()
     page.wait("!studio.target")
     assert page.item("view-colour").input_value() == "none"
+
+
+def violet(page: StudioPage) -> int:
+    """Pixels of a saved picture with the colour of the ghost."""
+    page.item("picture").click()
+    page.fill("picture-width", 400)
+    page.fill("picture-height", 300)
+    with page.page.expect_download() as download:
+        page.item("picture-go").click()
+    red, green, blue = np.asarray(Image.open(Path(download.value.path())).convert("RGB"), dtype=int).transpose(2, 0, 1)
+    return int((np.minimum(red, blue) - green > 15).sum())
+
+
+def test_a_saved_picture_shows_the_target_only_beside_the_distance_to_it(shared: StudioPage, tmp_path: Path) -> None:
+    page = shared
+    page.open_again("file-plain.toml")
+    page.load_target(cap(tmp_path / "cap.stl"))
+    assert violet(page) == 0 and page.get("studio.ghost") == 450
+    page.item("view-colour").select_option("target")
+    page.wait("!document.querySelector('[data-testid=legend]').hidden")
+    with_ghost = violet(page)
+    page.item("show-target").uncheck()
+    page.wait("studio.ghost === 0")
+    assert with_ghost - violet(page) > 100
+    page.item("show-target").check()
+    page.item("view-colour").select_option("none")
+    page.item("remove-target").click()
+    page.wait("!studio.target")
 
 
 def test_a_shape_that_is_forgotten_before_it_is_drawn_does_not_stop_the_next_ones(shared: StudioPage) -> None:
