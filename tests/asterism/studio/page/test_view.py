@@ -100,6 +100,28 @@ def test_a_shape_that_is_forgotten_before_it_is_drawn_does_not_stop_the_next_one
     page.wait(f"studio.drawn > {drawn}")
 
 
+def test_the_light_of_the_sky_is_there_for_each_shape_of_a_surface(shared: StudioPage) -> None:
+    errors = """async () => {
+        const { Renderer } = await import("./page/view/gl.js");
+        const renderer = new Renderer(document.createElement("canvas"));
+        const [{ gl }, surface] = [renderer, renderer.makeSurface()];
+        const camera = { matrix: new Float32Array(16).fill(1), eye: [0, 0, 1], towards: [0, 0, 1] };
+        const errors = [];
+        for (const size of [1, 2]) {
+            const normals = new Float32Array([0, 0, 1, 0, 0, 1, 0, 0, 1]);
+            const positions = new Float32Array([0, 0, 0, size, 0, 0, 0, size, 0]);
+            renderer.fill(surface, { positions, normals, triangles: new Uint32Array([0, 1, 2]) });
+            const surfaces = [{ surface, base: [1, 1, 1], casts: true }];
+            renderer.shade(surfaces, { low: [0, 0, 0], high: [size, size, 1] }, 1);
+            renderer.draw({ surfaces, camera, width: 8, height: 8, isSoft: true });
+            errors.push(gl.getError());
+        }
+        gl.getExtension("WEBGL_lose_context").loseContext();
+        return errors;
+    }"""
+    assert shared.page.evaluate(errors) == [0, 0]
+
+
 TABLET = {"viewport": {"width": 1024, "height": 768}, "device_scale_factor": 0.5, "has_touch": True, "is_mobile": True}
 
 
