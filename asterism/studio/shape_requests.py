@@ -356,8 +356,11 @@ class Settling:
             self._child.close()
 
     def data(self) -> dict[str, Any] | None:
-        """How far the exact shape is, for the message `state`; None if none is under way."""
-        return self._progress_data if self._is_at_work else None
+        """How far the exact shape is, for the message `state`; None if none is under way, or it is shown already.
+
+        It is computed once more while it is shown where pages ask for it with other parts, such as a target.
+        """
+        return self._progress_data if self._is_at_work and not self._is_shown else None
 
     @property
     def release(self) -> dict[str, Any] | None:
