@@ -67,6 +67,16 @@ def test_open_dialogs_follow_the_shape_and_a_job_counts_its_seconds(shared: Stud
     socket.send(json.dumps({"type": "result", "job": "export", "cancelled": True}))
     page.wait("!document.querySelector('[data-testid=cancel]').offsetParent")
 
+    settling = {"seconds": 3.0, "about_s": 9.5}
+    socket.send(json.dumps({**preview, "settling": settling}))
+    for name in ("engine", "badge"):
+        page.wait(f"document.querySelector('[data-testid={name}]').textContent.includes('about 6 s left')")
+    socket.send(json.dumps({**preview, "settling": {**settling, "seconds": 30.0}}))
+    for name in ("engine", "badge"):
+        page.wait(f"document.querySelector('[data-testid={name}]').textContent.includes('31 s so far')")
+    socket.send(json.dumps({**preview, "settling": {**settling, "about_s": 600.0}}))
+    page.wait("document.querySelector('[data-testid=badge]').textContent.includes('about 9 min 57 s left')")
+
     # the number of the warnings leads to them, wherever the panel is scrolled to
     page.page.set_viewport_size({"width": 1280, "height": 480})
     socket.send(json.dumps({**exact, "warnings": [{"text": "The needles lean", "stars": [], "at_mm": None}]}))
