@@ -29,6 +29,7 @@ const QUICK_MS = 45; // longest picture of a moving sheet, if fewer pixels and l
 const MAX_MESHES = 8;
 const MOVE_MS = 350; // in which the sheet moves over from the preview to the exact shape
 const STALE_MS = 600; // without a newer shape, after which the shape of an older design is grey
+const SMALL = 0.7; // of the size at which a sheet just fits: one that is smaller after a change is fitted again
 const WIDE_ASPECT = 1.4; // in wider pictures the height of a sheet limits its size
 
 export class View {
@@ -46,6 +47,7 @@ export class View {
   #drawn = null; // arrays of the sheet as it is drawn
   #box = null;
   #tops = []; // positions that the view shows
+  #followed = []; // the same of the last shape that the camera has followed
   #corners = []; // of the board, which saved pictures show, too
   #level = 0; // of the board
   #light = 0; // shadows of the present shape: 1 of the sun, 2 also of the sky
@@ -234,6 +236,7 @@ export class View {
     this.#level = level;
     this.#tops = tops;
     this.#corners = table.corners;
+    this.#follow();
     this.#mark();
     this.#colour();
   }
@@ -291,12 +294,32 @@ export class View {
     this.invalidate();
   }
 
+  /** All positions to show, also of the sheet beside this one. */
+  get #shown() {
+    return this.partner?.shape ? [...this.#tops, ...this.partner.#tops] : this.#tops;
+  }
+
   fit() {
     if (!this.shape) return;
-    const other = this.partner?.shape ? this.partner.#tops : [];
-    this.camera.fit([...this.#tops, ...other], this.aspect);
+    this.camera.fit(this.#shown, this.aspect);
+    this.camera.isOwn = false;
     this.#hasFit = true;
     this.invalidate();
+  }
+
+  /** Fits again a sheet that has left the picture or is much smaller; what a hand has chosen stays as long as it shows
+   * what it showed before, and nothing moves under a hand that drags. */
+  #follow() {
+    const { camera, aspect, leader } = this;
+    const isMoving = document.body.matches(":active") || this.#share < 1;
+    if (leader || !this.#hasFit || isMoving || this.shape.header.stage === "linear") return;
+    const [before, now] = [this.#followed, this.#shown];
+    this.#followed = now;
+    const isOut = !camera.shows(now, aspect);
+    const fitted = Object.assign(new Camera(), camera);
+    fitted.fit(now, aspect);
+    const isSmall = fitted.distance < SMALL * camera.distance;
+    if (camera.isOwn ? isOut && camera.shows(before, aspect) : isOut || isSmall) Object.assign(camera, fitted);
   }
 
   look(name) {

@@ -100,6 +100,56 @@ def test_a_shape_that_is_forgotten_before_it_is_drawn_does_not_stop_the_next_one
     page.wait(f"studio.drawn > {drawn}")
 
 
+def test_the_camera_follows_a_sheet_that_leaves_the_picture_or_becomes_small(shared: StudioPage) -> None:
+    page = shared
+    page.open_again("file-seven.toml")
+    page.item("tool-outline").click()
+
+    def distance() -> float:
+        return float(page.get("studio.camera.distance"))
+
+    def rings(number: int) -> float:
+        page.changed(lambda: page.fill("shape-rings", number))
+        return distance()
+
+    def is_seen() -> bool:
+        corners = page.get("studio.document.plan.outline_mm.map(([x, y]) => studio.viewOf([0.74 * x, 0.74 * y, 0]))")
+        box = page.item("view").bounding_box()
+        return all(0 <= x <= box["width"] and 0 <= y <= box["height"] for x, y in corners)
+
+    near = distance()
+    far = rings(3)
+    assert far > 1.5 * near and is_seen()
+    assert rings(1) == pytest.approx(near, rel=0.05)
+    # nothing moves under a hand, only when it has let go
+    corner = page.get("studio.document.plan.outline_mm[0]")
+    page.page.mouse.move(*page.point(corner))
+    page.page.mouse.down()
+    page.page.mouse.move(*page.point([2.5 * value for value in corner]), steps=4)
+    page.wait("studio.stage === 'equilibrium' && studio.shownRevision > studio.revision")
+    assert distance() == pytest.approx(near, rel=0.05)
+    page.changed(page.page.mouse.up)
+    assert distance() > 1.2 * near
+    page.changed(lambda: page.item("undo").click())
+    # a hand has turned it: only a sheet that leaves the picture is fitted again
+    rings(3)
+    box = page.item("view").bounding_box()
+    page.page.mouse.move(box["x"] + 20, box["y"] + 200)
+    page.page.mouse.down()
+    page.page.mouse.move(box["x"] + 60, box["y"] + 200)
+    page.page.mouse.up()
+    turned = page.get("studio.camera.turn")
+    assert rings(1) == pytest.approx(far, rel=0.05)
+    page.page.mouse.wheel(0, -200)
+    page.wait(f"studio.camera.distance < {0.9 * far}")
+    assert rings(3) > 0.9 * far and page.get("studio.camera.turn") == turned
+    # a part that a hand has chosen stays
+    page.page.mouse.wheel(0, -800)
+    page.wait(f"studio.camera.distance < {0.5 * far}")
+    chosen = distance()
+    assert rings(2) == chosen
+
+
 def test_the_light_of_the_sky_is_there_for_each_shape_of_a_surface(shared: StudioPage) -> None:
     errors = """async () => {
         const { Renderer } = await import("./page/view/gl.js");
