@@ -52,6 +52,7 @@ def test_bumps_are_left_out_and_a_target_is_laid_on_the_sheet_and_a_reload_keeps
     assert page.get("studio.targetDistance.rms_mm") > 100.0
     page.item("show-target").uncheck()
     page.wait("studio.ghost === 0")
+    page.item("show-target").check()
     page.item("remove-target").click()
     page.wait("!studio.target")
     assert page.item("view-colour").input_value() == "none"
