@@ -189,6 +189,7 @@ def test_a_tablet_has_bars_of_one_row_and_the_menu_has_what_does_not_fit(browser
     note = page.page.locator("#plan-note").inner_text()
     assert "Drag to paint" in note and "Shift" not in note
     page.item("tool-needles").click()
+    page.item("support-0").wait_for()
     middles = page.get(
         "((item) => [item, item.firstElementChild].map((one) => one.getBoundingClientRect())"
         ".map(({ top, height }) => top + height / 2))(document.querySelector('[data-testid=support-0]'))"
