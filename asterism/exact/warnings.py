@@ -48,5 +48,5 @@ def _mesh(record: ExactRecord) -> Iterator[str]:
 def off_branch(record: ExactRecord) -> Iterator[str]:
     """Yield a line if an exact shape has such stars."""
     if off := record.stars_off_branch:
-        stars = f"{len(off)} of {record.stars_total} stars of the exact shape"
-        yield f"{stars} are not on the side that the design asks for: {star_numbers(off)}"
+        stars = f"{len(off)} of {record.stars_total} stars of the exact shape {'is' if len(off) == 1 else 'are'}"
+        yield f"{stars} not on the side that the design asks for: {star_numbers(off)}"

@@ -93,7 +93,7 @@ class TargetSurface:
         disk, note = _decimated(disk, name)
         crossings = self_intersections(disk.vertices, disk.triangles)
         if crossings:
-            raise TargetError(name, f"passes through itself: {crossings} pairs of triangles cross")
+            raise TargetError(name, f"passes through itself ({crossings} crossing{'s' * (crossings > 1)})")
         scale = 1.0 if size_mm is None else size_mm / diameter(disk.vertices)
         disk = _subdivided(Disk(scale * disk.vertices, disk.triangles))
         # mm, largest distance of two points: smaller targets have no room for stars, larger ones no printer

@@ -357,21 +357,21 @@ class Sheet(PrintSheet):
             ends = [end for node in graph.joints for end in graph.ends_at[node]]
             stars = np.unique(number[[graph.rods[end.rod].group for end in ends]]).tolist()
             yield PlacedWarning(
-                f"arms of different stars meet in {len(graph.joints)} places and print as one, but the law is of stars "
-                f"that do not touch; check with the exact model: {star_numbers(stars)}",
+                f"arms of different stars meet in {len(graph.joints)} place{'s' * (len(graph.joints) > 1)} and print "
+                f"as one, but the law is of stars that do not touch; check with the exact model: {star_numbers(stars)}",
                 stars,
             )
         tight, uneven = values.not_scale_separated, values.strongly_anisotropic
         if tight and not self.layout.is_supported_in_plane:  # supported sheets are as accurate with them
             yield PlacedWarning(
-                f"{len(tight)} of {count} stars curl to a radius below two thirds of their spacing, "
-                f"too tightly for a smooth sheet; check with the exact model: {star_numbers(tight)}",
+                f"{len(tight)} of {count} stars {'curls' if len(tight) == 1 else 'curl'} to a radius below two thirds "
+                f"of their spacing, too tightly for a smooth sheet; check with the exact model: {star_numbers(tight)}",
                 tight,
             )
         if uneven:
             yield PlacedWarning(
-                f"{len(uneven)} of {count} stars curl far more in some directions than in others, "
-                f"which the law describes poorly; check with the exact model: {star_numbers(uneven)}",
+                f"{len(uneven)} of {count} stars {'curls' if len(uneven) == 1 else 'curl'} far more in some directions "
+                f"than in others, which the law describes poorly; check with the exact model: {star_numbers(uneven)}",
                 uneven,
             )
 

@@ -341,7 +341,8 @@ def _about_supports(state: PreviewState, shape: Shape) -> Iterator[str]:
         yield f"the pins stretch the sheet to {ratio:.2f} times its natural size, so that it is nearly flat{advice}"
     if inverted := layout.star_number[layout.star_branch < 0].tolist():
         yield PlacedWarning(
-            f"{len(inverted)} stars of the design are inverted (branch down), but the law describes bumps up; "
+            f"{'1 star' if len(inverted) == 1 else f'{len(inverted)} stars'} of the design "
+            f"{'is' if len(inverted) == 1 else 'are'} inverted (branch down), but the law describes bumps up; "
             f"check with the exact model: {star_numbers(inverted)}",
             inverted,
         )

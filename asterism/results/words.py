@@ -128,7 +128,7 @@ def doubts(summary: Mapping[str, Any]) -> list[str]:
     """The reasons in the summary of a preview, an exact shape or a verification, each once.
 
     >>> doubts({"model": "preview", "stars": 7, "stars_outside_law": ["star 0"] * 7, "self_intersections": 3})
-    ['all 7 stars are outside the law', 'the sheet passes through itself (3 pairs of triangles)']
+    ['all 7 stars are outside the law', 'the sheet passes through itself (3 crossings)']
     """
     parts = (summary, *(summary[name] for name in ("preview", "exact") if isinstance(summary.get(name), Mapping)))
     return list(dict.fromkeys(line for part in parts for line in _of_shape(part)))
@@ -144,7 +144,7 @@ def _of_shape(summary: Mapping[str, Any]) -> Iterator[str]:
 
 def passing(pairs: int) -> str:
     """Warning text for a number of pairs of triangles that pass through each other."""
-    return f"the sheet passes through itself ({pairs} pairs of triangles)"
+    return f"the sheet passes through itself ({pairs} crossing{'s' * (pairs > 1)})"
 
 
 class PlacedWarning(str):

@@ -120,6 +120,7 @@ class Engine:
             work()
             self.bounds.end(is_superseded=False)
         except Superseded:
+            self._is_resting = False  # also after a message that shows nothing new, such as one about a target
             self.bounds.end(is_superseded=True)
         except Cancelled:
             self._is_resting = True

@@ -17,7 +17,7 @@ from asterism.pattern.design.material_files import with_material_file
 from asterism.pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM, Site
 from asterism.pattern.layout.layout import Layout
 from asterism.print.bed_placement import room_mm
-from asterism.print.printer import load_printer, profile_names
+from asterism.print.printer import load_plastic, load_printer, profile_names
 from asterism.studio.design_file import FileChangedError, OtherFileError, ReadOnlyError
 from asterism.studio.document import Document
 from asterism.studio.file_names import shown_path
@@ -67,7 +67,7 @@ def document_data(document: Document, printer: str, limits: Limits | None) -> di
             "printer": {key: chosen[key] for key in ("name", "area_mm", "frame_mm")},
         },
         "printers": list(printers),
-        "plastics": profile_names("plastics"),
+        "plastics": list(plastic_entries()),
         "limits": limits_data(layout, limits, chosen["rounding"]),
     }
 
@@ -168,6 +168,12 @@ def printer_entries() -> tuple[dict[str, Any], ...]:
             }
         )
     return tuple(entries)
+
+
+@cache
+def plastic_entries() -> tuple[dict[str, str], ...]:
+    """Name and title of each plastic."""
+    return tuple({"name": name, "title": load_plastic(name).name} for name in profile_names("plastics"))
 
 
 def known_printer(name: str) -> str:

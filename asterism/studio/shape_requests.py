@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import itertools
+import time
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
@@ -266,6 +267,7 @@ class Settling:
         self._rested: tuple[Rested, int] | None = None  # with the revision
         self._order: tuple[Settle, int] | None = None  # the last one, with the revision
         self._progress: JobProgress | None = None
+        self._begun = 0.0  # monotonic time of the order
         self._settled: Settled | None = None  # the answers to the order
         self._released: Released | None = None
         self._shapes: dict[str, KeptShape] = {}  # of both exact forms, where they differ
@@ -311,6 +313,7 @@ class Settling:
         )
         self._order, self._progress, self.waits_s = (order, revision), None, None
         self._settled = self._released = None
+        self._begun = time.monotonic()
         self._child.send(order)
 
     @property
@@ -356,8 +359,14 @@ class Settling:
             self._child.close()
 
     def data(self) -> dict[str, Any] | None:
-        """How far the exact shape is, for the message `state`; None if none is under way."""
-        return self._progress_data if self._is_at_work else None
+        """Seconds that the exact shape has taken, and that it takes in all, estimated, for the message `state`.
+
+        None if none is under way, or it is shown already: it is computed once more while it is shown where pages ask
+        for it with other parts, such as a target.
+        """
+        if not self._is_at_work or self._is_shown or self._rested is None:
+            return None
+        return {"seconds": time.monotonic() - self._begun, "about_s": self._rested[0].seconds}
 
     @property
     def release(self) -> dict[str, Any] | None:
@@ -366,7 +375,8 @@ class Settling:
         if not self._is_shown or self._order is None or not self._order[0].release:
             return None
         if released is None:
-            return {"progress": self._progress_data}
+            done, of = (0, 0) if self._progress is None else (self._progress.done, self._progress.of)
+            return {"progress": {"done": done, "of": of}}
         return {
             "is_same": released.is_same,
             "energy_percent": released.energy_percent,
@@ -374,11 +384,6 @@ class Settling:
             "is_shown": self._shows_release,
             "shapes": {name: shape.number for name, shape in self._shapes.items()},
         }
-
-    @property
-    def _progress_data(self) -> dict[str, Any]:
-        progress = self._progress
-        return {"done": 0, "of": 0} if progress is None else {"done": progress.done, "of": progress.of}
 
     def _show(self, form: Settled) -> None:
         studio = self._studio

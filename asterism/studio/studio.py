@@ -312,15 +312,15 @@ class Studio:
             await asyncio.to_thread(document.end_gesture)
         except Error as error:
             tab.send(problem_data(error, document.layout, request.seq))
+        self.engine.show(document)  # before the document, so that pages do not say of it what they said of the last one
         self.tell_document()
-        self.engine.show(document)
 
     async def accept(self, snapshot: bytes | None = None) -> None:
         """The document shows a state that no gesture has made, in the form of a snapshot or a fresh one."""
         assert self.document is not None
         await asyncio.to_thread(self.document.end_gesture)
-        self.tell_document()
         self.engine.show(self.document, is_opened=True, snapshot=snapshot)
+        self.tell_document()
 
     async def _slot(self, request: ask.SlotRequest, document: Document) -> None:
         """Keep the design with its shape and numbers in a slot, or show the one that is there."""

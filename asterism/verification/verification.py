@@ -75,7 +75,8 @@ def _exact_shape(exact: ExactRecord, known: Sequence[str]) -> Iterator[str]:
     """The warnings of the exact shape that the preview's warnings do not contain, and the stars that bump down."""
     down, off = exact.stars_down, exact.stars_off_branch
     if down:
-        yield f"{len(down)} of {exact.stars_total} stars of the exact shape bump down: {star_numbers(down)}"
+        bump = "bumps" if len(down) == 1 else "bump"
+        yield f"{len(down)} of {exact.stars_total} stars of the exact shape {bump} down: {star_numbers(down)}"
     # stars that are off because they are down have been named
     named = set() if set(off) - set(down) else {*off_branch(exact)}
     yield from (f"the exact model: {line}" for line in exact.get("warnings", []) if line not in {*known, *named})

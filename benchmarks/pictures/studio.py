@@ -127,7 +127,6 @@ def _steps(page: StudioPage) -> Iterator[str]:
     page.item("shape-rectangle").click()
     enter("shape-width", WIDTH_MM)
     enter("shape-height", HEIGHT_MM)
-    page.item("use-shape").click()
     page.wait("studio.document.plan.outline_mm.length === 4")
     page.summarised()
     page.item("fit-view").click()

@@ -155,7 +155,7 @@ def _of_stars(design: Design) -> Layout:
     kept_pins = _kept_pins(design.pins, design.border, lattice)
     pins = tuple(snapped_to_lines(pin, corners, ends, lines) for pin in kept_pins)
     if any(pin is not place for pin, place in zip(pins, kept_pins, strict=True)):
-        check_pins(pins, SheetEdges.of(corners, holes))
+        check_pins(pins, SheetEdges.of(corners, holes), corner_numbers(design.border, corners))
     kept, star = np.unique(star, return_inverse=True)
     return Layout(
         outline=corners.copy(),  # layouts own their arrays
@@ -185,7 +185,7 @@ def _kept_pins(pins: tuple[Pins, ...], border: Border, lattice: Lattice) -> tupl
     corners, holes, _ = _kept_sheet(border, lattice)
     starts = corner_numbers(border, corners)
     sets = tuple(pin_set(pin, corners, f"pins[{k}]", holes, starts) for k, pin in enumerate(pins))
-    check_pins(sets, SheetEdges.of(corners, holes))
+    check_pins(sets, SheetEdges.of(corners, holes), starts)
     return sets
 
 
@@ -194,7 +194,7 @@ def _pins(design: Design, outline: Floats, graph: RodGraph, holes: tuple[Floats,
     starts = corner_numbers(design.border, outline)
     sets = [pin_set(pin, outline, f"pins[{k}]", holes, starts) for k, pin in enumerate(design.pins)]
     pins = tuple(snapped_to_lines(pin, outline, graph.nodes, graph.lines) for pin in sets)
-    check_pins(pins, SheetEdges.of(outline, holes))
+    check_pins(pins, SheetEdges.of(outline, holes), starts)
     return pins
 
 

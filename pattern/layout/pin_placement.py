@@ -150,10 +150,14 @@ def snapped_to_lines(pins: PinSet, corners: Floats, ends: Floats, lines: NDArray
     return pins if np.array_equal(points, pins.points) else replace(pins, points=points)
 
 
-def check_pins(sets: Sequence[PinSet], sheet: SheetEdges) -> None:
+def check_pins(sets: Sequence[PinSet], sheet: SheetEdges, starts: Ints) -> None:
     """Refuse pins in holes, places that are held twice, and pins that pull the sheet too far.
 
     Edges of two sets may share a corner that both hold in the same way.
+
+    Parameters
+    ----------
+    starts : as of `pin_set`, to name edges as the design does.
 
     Raises
     ------
@@ -172,7 +176,7 @@ def check_pins(sets: Sequence[PinSet], sheet: SheetEdges) -> None:
     # corners of a finely drawn outline may be closer than a pin is thick
     shortest = float(np.linalg.norm(sheet.end - sheet.start, axis=1).min())
     distance = max(tolerance, min(PIN_TOLERANCE_MM, 0.99 * shortest))
-    twice = [*_points_twice(sets, sheet, distance, tolerance), *_edges_twice(sets, sheet, tolerance)]
+    twice = [*_points_twice(sets, sheet, distance, tolerance), *_edges_twice(sets, sheet, starts, tolerance)]
     if twice:
         _refuse(*min(twice, key=lambda conflict: conflict[0]))
     _check_reach(sets, sheet)
@@ -216,14 +220,15 @@ def _points_twice(sets: Sequence[PinSet], sheet: SheetEdges, distance: float, to
         yield new, f"must not hold what pins[{old}] holds already", points[k]
 
 
-def _edges_twice(sets: Sequence[PinSet], sheet: SheetEdges, tolerance: float) -> Iterator[_Conflict]:
+def _edges_twice(sets: Sequence[PinSet], sheet: SheetEdges, starts: Ints, tolerance: float) -> Iterator[_Conflict]:
     """Edges of two sets, and corners that two sets hold in different directions or at different places."""
     holder: dict[int, int] = {}
     corner_holder: dict[int, int] = {}
     for number, new in enumerate(sets):
         for edge in sorted(new.edges):
             if (first := holder.setdefault(edge, number)) != number:
-                yield number, f"must not hold what pins[{first}] holds already", f"edge {edge}"
+                held = _name({*new.edges} & {*sets[first].edges}, sheet, starts)
+                yield number, f"must not hold what pins[{first}] holds already", held
         for corner in sorted({corner for edge in new.edges for corner in (edge, int(sheet.following[edge]))}):
             if (first := corner_holder.setdefault(corner, number)) == number:
                 continue
@@ -232,6 +237,16 @@ def _edges_twice(sets: Sequence[PinSet], sheet: SheetEdges, tolerance: float) ->
             new_place, old_place = (pins.places(place)[:, fixed] for pins in (new, old))
             if new.fixed != old.fixed or not np.allclose(new_place, old_place, atol=tolerance):
                 yield number, f"must hold the corner as pins[{first}] does", place[0]
+
+
+def _name(pieces: set[int], sheet: SheetEdges, starts: Ints) -> str:
+    """The whole outline, or the edge of it to which the first of some pieces belongs, or the hole, as in the design."""
+    edge = min(pieces)
+    if pieces.issuperset(sheet.numbers(0).tolist()):
+        return "the whole outline"
+    if edge < len(sheet.rings[0]):
+        return f"edge {(int(np.searchsorted(starts, edge, side='right')) - 1) % len(starts)}"
+    return f"hole {next(k for k in range(len(sheet.rings) - 1) if edge <= sheet.numbers(k + 1)[-1])}"
 
 
 def _check_reach(sets: Sequence[PinSet], edges: SheetEdges) -> None:

@@ -136,7 +136,8 @@ def _change_in_words(record: ExportRecord) -> str:
     distance = f"{change.star_distance_mm:.2f} mm ({change.star_distance_percent:.1f} % of the diameter)"
     by = "exact model" if change.model == "exact" else "preview; --simulate is exact"
     if change.stars_outside_law:
-        by = f"not reliable: {change.stars_outside_law} of the stars are outside the preview's law; --simulate is exact"
+        outside = f"{change.stars_outside_law} of the stars {'is' if change.stars_outside_law == 1 else 'are'}"
+        by = f"not reliable: {outside} outside the preview's law; --simulate is exact"
     return f"{distance}, height {before:.2f} -> {after:.2f} mm ({by})"
 
 

@@ -119,23 +119,17 @@ export function createActions(studio) {
       else if (Object.keys(store.get("jobs")).length) actions.cancel();
       else store.set({ selection: new Set(), support: null, corner: null, hole: null });
     },
-    /** Plan and view show all of a sheet that gets another outline, as soon as they have a state after `before`. */
+    /** The plan shows all of a sheet that gets another outline, as soon as there is a state after `before`. */
     fitSoon(before = store.get("document")?.revision) {
-      let isPlanFitted = false;
       const { document } = connection;
       const fitPlan = () => {
-        if (document !== connection.document) return stop();
-        if (isPlanFitted || store.get("document").revision <= before) return;
-        isPlanFitted = true;
-        studio.plan.fit();
+        const isOther = document !== connection.document;
+        if (!isOther && store.get("document").revision <= before) return;
+        stop();
+        if (!isOther) studio.plan.fit();
       };
       const ends = [
         store.on(["document"], fitPlan),
-        store.on(["frame"], ({ frame }) => {
-          if (!frame || frame.stage === "linear" || frame.revision <= before) return;
-          stop();
-          requestAnimationFrame(() => studio.view?.fit());
-        }),
         store.on(["problem"], ({ problem }) => problem?.isBlocking === false && stop()), // refused
       ];
       const stop = () => ends.forEach((end) => end());

@@ -1,6 +1,6 @@
 // The one statement about the shape. The server works it out; whatever speaks of the shape on this page reads it here.
 
-import { capital } from "./format.js";
+import { capital, seconds } from "./format.js";
 
 const COMPUTING = { kind: "computing", words: "Computing", isStale: true };
 
@@ -29,6 +29,12 @@ export function badgeOf({ state: { badge, busy }, frame, connection, document })
 
 const SEARCHES = { flip: "Searching for the other side", form: "Searching for the other form" };
 
+/** How long an exact shape still takes, as long as the estimate says something, then how long it has taken. */
+function timeOf({ begun, about_s: about }) {
+  const taken = performance.now() / 1000 - begun;
+  return taken < about ? `about ${seconds(Math.ceil(about - taken), 0)} left` : `${seconds(Math.floor(taken), 0)} so far`;
+}
+
 /** What is being done for the shape, in a few words; empty if nothing. */
 export function activityOf({ state, connection, document }) {
   const { engine, busy, searching, settling } = state;
@@ -37,7 +43,7 @@ export function activityOf({ state, connection, document }) {
   if (busy) return isLong(state) ? `${capital(busy)}, Esc cancels` : capital(busy);
   if (engine === "starting") return "Engine starts";
   if (engine === "failed") return "Engine restarts";
-  if (settling && document) return `Exact shape${settling.of ? `, ${Math.floor((100 * settling.done) / settling.of)} %` : " begins"}`;
+  if (settling && document) return `Exact shape, ${timeOf(settling)}`;
   return "";
 }
 

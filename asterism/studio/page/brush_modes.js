@@ -30,7 +30,7 @@ export const MODES = {
   erase: {
     text: "Erase",
     title: "Erase painted sizes",
-    says: "Drops painted sizes: the stars follow the profile again.",
+    says: "Drops painted sizes: the stars get those of the tool Sizes again.",
   },
   remove: {
     text: "Remove",

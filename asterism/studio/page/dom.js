@@ -190,7 +190,7 @@ export function choice({ label, options, value, onchange, ...rest }) {
 /** A check box with its text. Returns {element, set, box}. */
 export function check({ text, value, onchange, testid, hidden }) {
   const box = h("input", { type: "checkbox", testid, onchange: () => onchange?.(box.checked) });
-  return { ...control(h("label.check", { hidden }, box, text), value, (on) => (box.checked = on)), box };
+  return { ...control(h("label.check", { hidden }, box, h("span", text)), value, (on) => (box.checked = on)), box };
 }
 
 export const section = (title, ...extra) => h("h2.section", h("span", title), extra);

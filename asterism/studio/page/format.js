@@ -24,9 +24,9 @@ export const percent = (value, digits = 1) => `${fixed(value, digits)} %`;
 
 export const size = (values, digits = 0) => `${values.map((value) => fixed(value, digits)).join(" × ")} mm`;
 
-export function seconds(value) {
+export function seconds(value, digits = value < 10 ? 1 : 0) {
   if (!Number.isFinite(value)) return "–";
-  if (value < 60) return `${fixed(value, value < 10 ? 1 : 0)} s`;
+  if (value < 60) return `${fixed(value, digits)} s`;
   return `${Math.floor(value / 60)} min ${String(Math.round(value % 60)).padStart(2, "0")} s`;
 }
 

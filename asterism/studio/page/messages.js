@@ -27,6 +27,8 @@ export function listen(studio) {
       if (!kept) document.querySelector("[data-text*='left unsaved changes']")?.remove();
     },
     state(message) {
+      const { settling } = message;
+      if (settling) settling.begun = performance.now() / 1000 - settling.seconds;
       store.set({ state: message, problem: message.problem ? { ...message.problem, isBlocking: true } : null });
       if (message.jobs) store.set({ jobs: message.jobs });
     },

@@ -1,7 +1,7 @@
 // The table of stars: everything of the plan as text and number fields.
 
 import { check, dialog, h, table } from "./dom.js";
-import { QUANTITIES, fixed } from "./format.js";
+import { QUANTITIES, fixed, plural } from "./format.js";
 import { numberCell, rebuild } from "./panels/fields.js";
 
 const MAX_ROWS = 400;
@@ -59,7 +59,7 @@ export function openTable({ store, edits }) {
     note.textContent =
       shown.length > MAX_ROWS
         ? `The first ${MAX_ROWS} of ${shown.length} stars. Select some in the plan to see the others.`
-        : `${shown.length} stars. Sizes in mm.`;
+        : `${plural(shown.length, "star")}. Sizes in mm.`;
     rebuild(body, () => shown.slice(0, MAX_ROWS).map(row));
   }
 

@@ -81,7 +81,7 @@ def test_stars_that_do_not_stay_where_they_were_sent_are_named(tmp_path: Path, c
     (tmp_path / "d.toml").write_text(SMALL.replace("10.0", "5.0\nbranch = 'down'"))
     done = cli(["simulate", str(tmp_path / "d.toml")])
     assert done.status == 0 and "1 of 1 up" in done.out
-    assert done.err.endswith("1 of 1 stars of the exact shape are not on the side that the design asks for: star 0\n")
+    assert done.err.endswith("1 of 1 stars of the exact shape is not on the side that the design asks for: star 0\n")
     # on a fabric that was not stretched stars stay flat, and are on no side
     (tmp_path / "f.toml").write_text("[fabric]\nstretch = 1.0\n" + SMALL)
     done = cli(["simulate", str(tmp_path / "f.toml")])

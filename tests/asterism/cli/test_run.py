@@ -148,7 +148,7 @@ OUTSIDE = "[stars]\nlength_mm = 10.0\nthickness_mm = 2.0\n[border]\nrings = 0\n[
 def test_shapes_of_a_verification_are_doubted_once() -> None:
     shape = {"stars": 1, "stars_outside_law": ["star 0 is too long"], "self_intersections": 2}
     both = {"model": "verification", "preview": shape, "exact": {"stars_total": 1, "self_intersections": 2}}
-    assert doubts(both) == ["the star is outside the law", "the sheet passes through itself (2 pairs of triangles)"]
+    assert doubts(both) == ["the star is outside the law", "the sheet passes through itself (2 crossings)"]
     assert doubts({"stars": 2, "stars_outside_law": ["star 0"], "self_intersections": 0}) == []
 
 

@@ -141,9 +141,9 @@ def said(scale: float = 1.0, **changes: Any) -> list[str]:
     ("changes", "line"),
     [
         ({"scale": 2.0}, "the pins hold the sheet 2 times as wide"),
-        ({"stars_off_branch": [3]}, "1 of 19 stars of the exact shape are not on the side that the design asks for"),
-        ({"self_intersections": 4}, "passes through itself (4 pairs of triangles); --contact prevents this"),
-        ({"self_intersections": 4, "self_contact": {"pairs": 0}}, "(4 pairs of triangles)"),
+        ({"stars_off_branch": [3]}, "1 of 19 stars of the exact shape is not on the side that the design asks for"),
+        ({"self_intersections": 4}, "passes through itself (4 crossings); --contact prevents this"),
+        ({"self_intersections": 4, "self_contact": {"pairs": 0}}, "(4 crossings)"),
         ({"is_minimum": False, "smallest_eigenvalue": -1e-5}, "smallest eigenvalue -1.0e-05 N/mm is not positive"),
         (
             {"converged": False, "is_minimum": False, "gradient_norm": 1e-3},

@@ -453,7 +453,7 @@ def test_a_roll_that_passes_through_itself_says_so() -> None:
     through, open_ = (Preview(gallery.load(name)).shape().summary for name in ("fig8-l-increasing", "tube"))
     assert open_["self_intersections"] == 0 and not any("passes through" in line for line in open_["warnings"])
     (line,) = [line for line in through["warnings"] if "passes through itself" in line]
-    assert f"({through['self_intersections']} pairs of triangles)" in line and "--contact" in line
+    assert f"({through['self_intersections']} crossings)" in line and "--contact" in line
 
 
 @pytest.mark.slow

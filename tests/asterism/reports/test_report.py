@@ -96,7 +96,7 @@ def test_results_of_the_design_are_used_and_others_refused(design: Path, tmp_pat
     wide = DESIGN.replace("[104.0, 70.0]", "[240.0, 40.0]")
     design.write_text(wide)
     plan = load_design(design)
-    warnings = ["it passes through itself (12 pairs of triangles)", "1 of 19 stars of the exact shape are not up"]
+    warnings = ["it passes through itself (12 pairs of triangles)", "1 of 19 stars of the exact shape is not up"]
     shape = preview(plan, load_law(None))
     summary = {
         "design": plan.to_dict(),
@@ -114,7 +114,7 @@ def test_results_of_the_design_are_used_and_others_refused(design: Path, tmp_pat
     assert "estimated error" not in text and "LARGER than the Ultimaker 2+ can print" in text
     # what the commands warn of is on the page too
     assert "passes through itself (12 pairs of triangles)" in text
-    assert "1 of 19 stars of the exact shape are not" in text
+    assert "1 of 19 stars of the exact shape is not" in text
     assert "and more: see the summary" in text and "warning 4" not in text
 
     # they may be from another start, or mesh

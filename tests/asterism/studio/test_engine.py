@@ -13,7 +13,8 @@ import pytest
 import asterism
 from asterism.homogenize.law.law_file import PAPER_LAW
 from asterism.pattern.layout.build import layout
-from asterism.previews.session import SearchLimitError
+from asterism.previews.session import Preview, SearchLimitError
+from asterism.studio.engine_frames import EngineFrames
 from asterism.studio.inbox import Inbox, SearchBounds
 from asterism.studio.messages import Busy, Edit, FitTarget, Frame, Limits, Parts, Rested, Surface, TargetPose
 from tests.asterism.studio.engine_pipe import EnginePipe, table
@@ -247,6 +248,24 @@ def test_a_target_is_laid_on_the_shape_and_measured_at_rest(engine: EnginePipe) 
     assert again.arrays["target"].shape == (len(laid),)
     engine.send(Edit(4, table(), np.array([[0, 0]]), np.array([[6.0, np.nan, np.nan]]), is_dragging=True))
     assert engine.frame(4).target is None
+
+
+def test_what_is_known_at_rest_follows_a_target_that_comes_meanwhile(
+    engine: EnginePipe, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Its question ends the work at rest, and shows nothing by itself."""
+    prepare = EngineFrames.prepare_fine
+
+    def interrupted(frames: EngineFrames, preview: Preview) -> None:
+        prepare(frames, preview)
+        monkeypatch.undo()
+        engine.send(FitTarget(2))
+        time.sleep(0.2)
+
+    monkeypatch.setattr(EngineFrames, "prepare_fine", interrupted)
+    engine.send(Edit(1, table()))
+    assert engine.problem(2).kind == "no target"
+    engine.summary(2)
 
 
 def test_a_target_is_not_laid_on_a_sheet_that_does_not_exist(engine: EnginePipe) -> None:

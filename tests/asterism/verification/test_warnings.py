@@ -25,7 +25,7 @@ EXACT = {
     "mesh_error_percent": None, "mesh_change_percent": None, "energy_n_mm": 1.0,
 }  # fmt: skip
 
-OFF = "1 of 7 stars of the exact shape are not on the side that the design asks for: star 3"
+OFF = "1 of 7 stars of the exact shape is not on the side that the design asks for: star 3"
 
 
 def bowl(depth: float) -> Any:
@@ -99,7 +99,7 @@ def test_heights_that_were_expected_to_differ_are_no_surprise(
         (
             [],
             [3],
-            "the exact model: 1 of 7 stars of the exact shape are not on the side that the design asks for: star 3",
+            "the exact model: 1 of 7 stars of the exact shape is not on the side that the design asks for: star 3",
         ),
     ],
 )
@@ -142,14 +142,14 @@ def test_two_minima_of_nearly_one_energy_are_told(energy: float, apart: float, t
 def test_what_the_exact_model_said_is_passed_on_once() -> None:
     """But what the preview said of the same pins, and what is said here in other words."""
     roll, pins = "the radius of a free roll depends on the mesh", "the pins let the sheet swing"
-    crossing = "the sheet passes through itself (4 pairs of triangles); --contact prevents this"
+    crossing = "the sheet passes through itself (4 crossings); --contact prevents this"
     lines = said(
         preview={"warnings": [pins]}, self_intersections=4, self_contact=None, stars_down=[3], stars_off_branch=[3],
         warnings=[crossing, roll, OFF, pins],
     )  # fmt: skip
     assert lines == [
         pins,
-        "1 of 7 stars of the exact shape bump down: star 3",
+        "1 of 7 stars of the exact shape bumps down: star 3",
         f"the exact model: {crossing}",
         f"the exact model: {roll}",
     ]

@@ -9,6 +9,7 @@ import pytest
 import shapely
 
 from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
 from asterism.pattern.geometry.planar import polygon_area, turning_angles
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
@@ -98,6 +99,14 @@ def test_pins_count_the_given_corners_and_hold_whole_arcs() -> None:
     places = np.array([needle.printed for needle in needles(plan, 10.0)[:14]])
     step = np.linalg.norm(np.diff(places, axis=0), axis=1)
     np.testing.assert_allclose(step, step[0], rtol=2e-3)
+    holes = [{"circle_mm": {"centre": [x, 0.0], "radius": 4.0}} for x in (-8.0, 8.0)]
+    for number in range(4):
+        with pytest.raises(DesignError, match=rf"pins\[1\] = 'edge {number}': must not hold what pins\[0\] holds"):
+            sheet(border, pins=[{"where": "border"}, {"edges": [number]}])
+    with pytest.raises(DesignError, match=r"pins\[1\] = 'hole 1': must not"):
+        sheet({**border, "holes": holes}, pins=[{"holes": [0, 1]}, {"holes": [1]}])
+    with pytest.raises(DesignError, match=r"pins\[1\] = 'the whole outline': must not"):
+        sheet({"circle_mm": {"radius": 60.0}}, pins=[{"where": "border"}, {"where": "border", "scale": 0.9}])
     smooth = sheet({"spline_mm": WAVES}, pins=[{"where": "corners"}])
     assert sorted(smooth.pins[0].points.tolist()) == sorted(WAVES)
 

@@ -2,7 +2,7 @@
 
 import { MEANINGS, activityOf, dotOf } from "../badge.js";
 import { append, bound, button, choice, follow, h, refresh, segments, show } from "../dom.js";
-import { QUANTITY_NAMES, mm } from "../format.js";
+import { QUANTITY_NAMES, mm, seconds } from "../format.js";
 import { VIEWS } from "../view/camera.js";
 import { FIELDS } from "../view/colours.js";
 import { openPicture } from "./picture.js";
@@ -127,16 +127,17 @@ export function buildBadge(element, { store, connection, actions }) {
   const update = () => {
     const badge = store.get("badge");
     const { settling, settle_s: waits, release } = store.get("state");
+    const activity = settling ? activityOf({ state: { settling }, document: true }) : "";
     element.hidden = !store.get("document");
     const takesOther = release?.is_same === false && !release.is_shown;
     const hadFocus = state.contains(document.activeElement);
-    refresh(state, [badge, settling, waits, takesOther], () => [
-      h("i", { className: `dot ${dotOf(badge, settling)}`, "aria-hidden": "true" }),
+    refresh(state, [badge, activity, waits, takesOther], () => [
+      h("i", { className: `dot ${dotOf(badge, activity)}`, "aria-hidden": "true" }),
       h("b", { title: MEANINGS[badge.kind], testid: "badge-words" }, badge.words),
-      settling && h("span.muted", activityOf({ state: { settling }, document: true })),
+      activity && h("span.muted", { "aria-live": "off" }, activity),
       waits &&
         button({
-          text: `Exact shape, about ${Math.ceil(waits)} s`,
+          text: `Exact shape, about ${seconds(Math.ceil(waits), 0)}`,
           testid: "settle",
           onclick: () => connection.send("settle"),
         }),
@@ -152,6 +153,7 @@ export function buildBadge(element, { store, connection, actions }) {
     if (hadFocus && !state.contains(document.activeElement)) shown.element.querySelector("[tabindex='0']")?.focus();
   };
   store.on(["badge", "state", "frame", "shown", "document"], update);
+  setInterval(() => store.get("state").settling && update(), 1000);
   update();
 }
 

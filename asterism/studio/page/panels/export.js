@@ -9,17 +9,17 @@ export function openExport({ store, actions }) {
   const { printers = [], plastics = [] } = store.get("document");
   const chosen = {
     printer: store.get("sheet").printer?.name ?? printers[0]?.name,
-    plastic: plastics.find((name) => name.startsWith("tpu")) ?? plastics[0],
+    plastic: (plastics.find(({ name }) => name.startsWith("tpu")) ?? plastics[0])?.name,
     preview: true,
     border: true,
     needle_spacing_mm: 20,
   };
   /** Value and change of a control that is about one of the choices. */
   const about = (key) => ({ value: chosen[key], onchange: (value) => (chosen[key] = value) });
-  const names = printers.map(({ name, title }) => ({ value: name, text: title ?? name }));
-  const materials = plastics.map((name) => ({ value: name, text: name }));
-  const list = (label, key, options) =>
-    labelled(label, choice({ label, testid: `export-${key}`, options, ...about(key) }));
+  const list = (label, key, profiles) => {
+    const options = profiles.map(({ name, title }) => ({ value: name, text: title ?? name }));
+    return labelled(label, choice({ label, testid: `export-${key}`, options, ...about(key) }));
+  };
   const progress = () => store.get("jobs").export;
   const go = button({
     icon: "export",
@@ -58,8 +58,8 @@ export function openExport({ store, actions }) {
   dialog(
     "Export for the printer",
     h("div.export", [
-      list("Printer", "printer", names),
-      plastics.length > 0 && list("Plastic", "plastic", materials),
+      list("Printer", "printer", printers),
+      plastics.length > 0 && list("Plastic", "plastic", plastics),
       hint(
         "3MF and STL for the slicer, PDF, SVG and DXF at 1:1, drilling template, start code, instructions, and the rounded design.",
       ),

@@ -34,7 +34,7 @@ export const forgetRefused = () => refused.forEach((forget) => forget());
 /**
  * A number with its unit. `onchange(value, isFinal)`: while a slider is dragged isFinal is false. `value`, `limits`
  * (a function for [min, max]), `placeholder`, `disabled` and `hidden` may follow the state.
- * Returns {element, input, set(value), limits(min, max), isRefused()}.
+ * Returns {element, input, set(value), limits(min, max)}.
  */
 export function numberField({
   label,
@@ -149,15 +149,6 @@ export function numberField({
     input,
     set,
     limits: setLimits,
-    /** Whether the text is no value of the field; then the field says so and has the focus. */
-    isRefused() {
-      const message = mistake();
-      if (message) {
-        show(message);
-        input.focus();
-      }
-      return Boolean(message);
-    },
   };
 }
 

@@ -27,6 +27,7 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
   const isOfRods = () => tool.path !== "stars";
   const present = () => sizeAt(design(), tool.path, QUANTITIES[settings.quantity].key);
   const isLine = () => tool.isLine;
+  const choose = (kind) => store.set({ sizesKind: kind });
   const values = { number: 7, low: 4, high: 10 }; // of the kinds that are no gradients
   let shown = [0, 20]; // what the sliders reach
   const change = (value) => edits.design(sizeChanges(design(), tool.path, settings.quantity, value));
@@ -72,7 +73,7 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
   function redo() {
     edits.once(() => tool.apply());
     const { name } = QUANTITIES[settings.quantity];
-    toast(`${name}: a ${settings.kind} gradient takes the place of all sizes that are not painted.`, {
+    toast(`${name}: a ${tool.kind} gradient takes the place of all sizes that are not painted.`, {
       action: { text: "Undo", run: actions.undo },
     });
   }
@@ -115,9 +116,9 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
     if (isOfRods() && settings.quantity === "length") settings.quantity = "thickness";
     known = profileText();
     const profile = tool.read();
-    if (typeof profile === "number") settings.kind = "number";
-    else if (profile?.formula) settings.kind = "formula";
-    else if (isPicture(profile)) settings.kind = "image";
+    if (typeof profile === "number") choose("number");
+    else if (profile?.formula) choose("formula");
+    else if (isPicture(profile)) choose("image");
     const [least, most] = store.get("sheet")?.range(settings.quantity, store.get("inLaw") && !isOfRods()) ?? [0, 20];
     shown = [least, Math.min(most, QUANTITIES[settings.quantity].usual)];
     // the values of another size would be refused
@@ -130,7 +131,6 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
     Object.assign(values, isPicture(profile) ? { low, high } : { low: allowed(low, 0.25), high: allowed(high, 0.5) });
   }
   read();
-  store.set({ sizesKind: settings.kind });
 
   const page = [
     part(null, () => [listed(), tool.path], ([options]) => {
@@ -150,8 +150,8 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
       label: "Kind",
       testid: "gradient-kind",
       options: KINDS,
-      value: () => settings.kind,
-      onchange: (value) => ((settings.kind = value), update(), isLine() && redo()),
+      value: () => tool.kind,
+      onchange: (value) => (choose(value), update(), isLine() && redo()),
     }),
     hint("Drag a line in the plan, or its ends: the first value where you start, the second where you stop.", {
       hidden: () => !isLine(),
@@ -161,16 +161,16 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
     ofLine("Power", "power", { unit: "", limits: () => [0.2, 5] }),
     size("Everywhere", "number", values, {
       slider: true,
-      hidden: () => settings.kind !== "number",
+      hidden: () => tool.kind !== "number",
       onchange: everywhere,
     }),
-    h("div", { hidden: () => settings.kind !== "formula" }, [
+    h("div", { hidden: () => tool.kind !== "formula" }, [
       text,
       fault,
       hint("x, y and r in mm, theta in radians; + − * / **, sqrt, exp, sin, cos, min, max, clip, where."),
       wide("Use the formula", "use-formula", use, { keys: "Enter" }),
     ]),
-    h("div", { hidden: () => settings.kind !== "image" }, [
+    h("div", { hidden: () => tool.kind !== "image" }, [
       hint("A grey picture laid over the sheet: black gives the first size, white the second."),
       ofPicture("Black", "low"),
       ofPicture("White", "high"),
@@ -189,7 +189,6 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
   function update(isRead = false) {
     if (isRead) read();
     show(page);
-    store.set({ sizesKind: settings.kind });
     tool.plan.invalidate();
   }
   follow(on, ["sheet"], page);
@@ -198,7 +197,7 @@ export function gradientPanel({ store, edits, tools, actions }, { on }) {
   on(["document"], () => edits.isWaiting || profileText() === known || update(true));
   on(
     ["problem"],
-    ({ problem }) => /^(stars|rods)\./.test(problem?.field ?? "") && settings.kind === "formula" && say(problem.text),
+    ({ problem }) => /^(stars|rods)\./.test(problem?.field ?? "") && tool.kind === "formula" && say(problem.text),
   );
   return page;
 }

@@ -127,9 +127,9 @@ function fitted(s, old) {
     ["Largest distance", percent(s.preview.largest_percent, 1)],
     ["Stars", String(s.stars)],
     ["Held by", s.held_border ? "the border" : s.needles ? plural(s.needles, "needle") : "nothing"],
-    ["Contraction needed", s.needed_ratio.toFixed(2)],
-    ["Contraction available", s.available_ratio.toFixed(2)],
-    ["Loss by rounding", s.rounding_loss_percent === null ? "–" : percent(s.rounding_loss_percent, 2)],
+    ["Uneven shrinking, needed", `×${s.needed_ratio.toFixed(2)}`],
+    ["Uneven shrinking, possible", `×${s.available_ratio.toFixed(2)}`],
+    ["Added by printable layers and lines", s.rounding_loss_percent === null ? "–" : percent(s.rounding_loss_percent, 2)],
   ];
   return [figures(rows, "fit-numbers"), ...s.warnings.map((line) => hint(capital(line))), old];
 }

@@ -4,16 +4,16 @@ import { curvesOf, ofKind } from "../border.js";
 import { edgeOf } from "../geometry.js";
 import { button, counted, follow, h, hint, listItem, part, section, segments, show, wide } from "../dom.js";
 import { plural } from "../format.js";
-import { regularShape, sizeOf } from "../plan/tools/outline.js";
+import { regularOf, regularShape, sizeOf } from "../plan/tools/outline.js";
 import { numberCell, numberField, rebuild } from "./fields.js";
 
 const MAX_LISTED = 16; // corners
 const KINDS = { circle: "Round", polygon: "Corners", spline: "Smooth" };
 
-export function outlinePanel({ store, tools, actions }, { on }) {
+export function outlinePanel({ store, edits, tools, actions }, { on }) {
   const tool = tools.outline.tool;
-  const [width, height] = store.get("sheet")?.box.size ?? [160, 120];
-  const shape = { kind: "rectangle", width: Math.round(width), height: Math.round(height), sides: 8, rings: 3 };
+  const shape = { width: 160, height: 120, sides: 8, rings: 3 }; // with its kind, if the outline is a regular one
+  const read = () => edits.isWaiting || Object.assign(shape, { kind: null }, regularOf(store.get("sheet")));
   const field = (label, key, kinds, rest = {}) =>
     numberField({
       label,
@@ -21,7 +21,7 @@ export function outlinePanel({ store, tools, actions }, { on }) {
       min: 1,
       max: 5000,
       hidden: () => !kinds.includes(shape.kind),
-      onchange: (value) => (shape[key] = value),
+      onchange: (value) => use({ [key]: value }),
       testid: `shape-${key}`,
       ...rest,
     });
@@ -30,6 +30,7 @@ export function outlinePanel({ store, tools, actions }, { on }) {
   const sizes = [
     field(widthText, "width", ["rectangle", "polygon", "circle", "l"], { field: "border.rectangle_mm" }),
     field("Height", "height", ["rectangle", "circle", "l"]),
+    field("Width of a leg", "leg", ["l"], { limits: () => [1, Math.min(shape.width, shape.height) - 1] }),
     field("Corners", "sides", ["polygon"], { ...counts, min: 3, max: 120 }),
     field("Rings of stars", "rings", ["hexagon"], { ...counts, min: 0, max: 40, field: "border.rings" }),
   ];
@@ -37,11 +38,12 @@ export function outlinePanel({ store, tools, actions }, { on }) {
     label: "Regular shape",
     testid: "shape",
     options: { rectangle: "Rectangle", hexagon: "Hexagon", polygon: "Polygon", circle: "Circle", l: "L" },
-    value: shape.kind,
-    onchange: (value) => ((shape.kind = value), show(sizes)),
+    value: () => shape.kind,
+    onchange: (value) => value === shape.kind || use({ kind: value }),
   });
-  function use() {
-    if (sizes.some((one) => !one.element.hidden && one.isRefused())) return;
+  function use(change) {
+    Object.assign(shape, change);
+    show(sizes);
     tool.setBorder(regularShape(shape.kind, shape));
     actions.fitSoon();
   }
@@ -53,6 +55,8 @@ export function outlinePanel({ store, tools, actions }, { on }) {
   function update() {
     const sheet = store.get("sheet");
     if (!sheet) return;
+    read();
+    show(kind, sizes);
     const [outline, ...rest] = curvesOf(sheet);
     rebuild(list, () => [section("Outline"), shapeOf(outline, "outline")]);
     rebuild(holes, () => holesPart(rest));
@@ -169,7 +173,6 @@ export function outlinePanel({ store, tools, actions }, { on }) {
     section("Regular shape"),
     kind,
     sizes,
-    wide("Use this shape", "use-shape", use),
     wide("From SVG, DXF or CSV…", "upload-outline", () => actions.upload("outline", ".svg,.dxf,.csv"), { icon: "upload" }),
     holes,
     follow(on, ["sheet"], cutPart),

@@ -2,13 +2,14 @@
 
 import { button, check, choice, dialog, h, labelled, show } from "../dom.js";
 import { numberField } from "./fields.js";
+import { toast } from "./toasts.js";
 
 /** What a picture says about itself: the design and the state of its shape. */
 export const pictureTitle = (store) => `${store.get("document")?.name ?? "sheet"} · ${store.get("badge").words}`;
 
 const SIZES = ["1600 × 1200", "1920 × 1080", "3000 × 2000", "3000 × 3000"];
 const OWN = "Own size";
-const UNMARKED = { selection: new Set(), under: new Set(), hover: null }; // a picture shows the stars as they are
+const NONE = { selection: new Set(), under: new Set(), hover: null };
 const SMALLEST_PX = 64;
 const LARGEST_PX = 8192; // a larger picture takes more than 1 GB while it is drawn
 
@@ -53,15 +54,18 @@ export function openPicture({ store, view, actions }) {
   const captions = check({ text: "Title and scale bar", value: true, testid: "picture-caption" });
   async function save() {
     const title = captions.box.checked ? pictureTitle(store) : null;
-    const marked = Object.fromEntries(Object.keys(UNMARKED).map((key) => [key, store.get(key)]));
-    store.set(UNMARKED);
+    // a picture shows the sheet as it is; the target is in it where the colours are the distance to it
+    const plain = { ...NONE, showTarget: store.get("showTarget") && store.get("viewColour") === "target" };
+    const shown = Object.fromEntries(Object.keys(plain).map((key) => [key, store.get(key)]));
+    store.set(plain);
     const drawn = view.picture(...size, { background: ground, title });
-    store.set(marked);
+    store.set(shown);
     const blob = await drawn;
     const link = h("a", { href: URL.createObjectURL(blob), download: `${name}.png` });
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 10000);
     element.close();
+    toast(`Saved as ${link.download} among this browser's downloads.`);
   }
   const release = button({
     text: "GIF of the release",

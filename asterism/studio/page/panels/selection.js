@@ -48,7 +48,7 @@ export function selectionPanel({ store, edits, actions }, { on }) {
       h("div.row.wrap", [
         act("Remove", actions.removeSelected, "remove", { icon: "trash", keys: "Delete" }),
         act("Restore", () => edits.once(() => edits.restore(keys())), "restore"),
-        act("Back to the profile", () => edits.once(() => edits.reset(keys())), "reset"),
+        act("Drop painted sizes", () => edits.once(() => edits.reset(keys())), "reset"),
         act("Copy sizes", actions.copySizes, "copy-sizes", { keys: "Ctrl+C" }),
         act("Paste sizes", actions.pasteSizes, "paste-sizes", { keys: "Ctrl+V", disabled: () => !store.get("copied") }),
       ]),

@@ -2,7 +2,7 @@
 
 import { MEANINGS } from "../badge.js";
 import { counted, figures, follow, h, hint, listItem, part, section } from "../dom.js";
-import { capital, fixed, mm, percent, size } from "../format.js";
+import { capital, mm, percent, size } from "../format.js";
 import { fitPart, spreadPart, verifyPart } from "./jobs.js";
 import { stripPart } from "./strip.js";
 import { targetPart } from "./target.js";
@@ -23,7 +23,7 @@ export function shapePanel(studio, page) {
       ["Over the needles", number(numbers.above_needles_mm, mm)],
       ["Below the needles", number(numbers.below_needles_mm, mm)],
       ["Size", numbers.extent_mm ? size(numbers.extent_mm) : "–"],
-      ["Contraction", number(numbers.contraction, (value) => fixed(value, 3))],
+      ["Shrinks to", number(numbers.contraction, (value) => `${percent(100 * value)} of the print`)],
       ["Radius of the roll", number(numbers.roll_radius_mm, mm)],
       ["Plastic is", SIDES[numbers.side] ?? null],
     ].filter(([, value]) => value !== null);

@@ -28,7 +28,7 @@ export function buildStatus(element, { store, actions }) {
     h("span", { testid: "engine", role: "status", title: () => MEANINGS[badge().kind] }, [
       h("i", { className: dot, "aria-hidden": "true" }),
       h("b", { testid: "footer-state" }, () => badge().words),
-      h("span", () => (activity() ? `  ${activity()}` : "")),
+      h("span", { "aria-live": () => (state().settling ? "off" : "polite") }, () => (activity() ? `  ${activity()}` : "")),
     ]),
     h("span", { testid: "height", className }, "Height ", h("b", height)),
     h("span", { testid: "extent", className }, "Size ", h("b", extent)),
@@ -42,7 +42,7 @@ export function buildStatus(element, { store, actions }) {
     ]),
     h("span.gap"),
   ]);
-  setInterval(() => job() && show(line), 1000);
+  setInterval(() => (job() || state().settling) && show(line), 1000);
   const place = part("under", () => under(store), ([words, sizes]) => [words, sizes && h("b", sizes)]);
   const onclick = () => {
     actions.showPage("shape");

@@ -1,4 +1,4 @@
-// An orbiting camera: a target, a distance, and two angles. It stays where it is when the shape changes.
+// An orbiting camera: a target, a distance, and two angles. It stays where it is when the shape changes but little.
 
 import { clamp } from "../geometry.js";
 
@@ -23,6 +23,7 @@ export class Camera {
   turn = (VIEWS.perspective.turn * Math.PI) / 180;
   pitch = (VIEWS.perspective.pitch * Math.PI) / 180;
   isOrthographic = false;
+  isOwn = false; // turned, moved or zoomed by hand since it was last asked to show all
 
   /** Directions of the camera in space: to the right, upwards, and towards the eye. */
   get axes() {
@@ -45,17 +46,20 @@ export class Camera {
   }
 
   orbit(dx, dy) {
+    this.isOwn = true;
     this.turn -= dx * 0.008;
     this.pitch = clamp(this.pitch + dy * 0.008, -MAX_PITCH, MAX_PITCH);
   }
 
   pan(dx, dy, height) {
+    this.isOwn = true;
     const scale = (2 * this.distance * Math.tan((FIELD_DEG * Math.PI) / 360)) / height;
     const { right, up } = this.axes;
     this.target = this.target.map((value, k) => value - scale * (dx * right[k] - dy * up[k]));
   }
 
   zoom(factor) {
+    this.isOwn = true;
     this.distance = clamp(this.distance / factor, 5, 20000);
   }
 
@@ -90,6 +94,18 @@ export class Camera {
     const [a, b] = spans.map(({ middle }) => middle);
     this.target = [0, 1, 2].map((c) => a * right[c] + b * up[c] + depth * towards[c]);
     this.distance = Math.max(5, ...spans.map(({ distance }) => distance - (this.isOrthographic ? 0 : depth)));
+  }
+
+  /** Whether all of a set of positions (x, y, z, x, ...) is in the picture. */
+  shows(positions, aspect) {
+    const { matrix: m } = this.frame(aspect);
+    for (let k = 0; k < positions.length; k += 3) {
+      const [x, y, w] = [0, 1, 3].map(
+        (row) => m[row] * positions[k] + m[4 + row] * positions[k + 1] + m[8 + row] * positions[k + 2] + m[12 + row],
+      );
+      if (Math.max(Math.abs(x), Math.abs(y)) > w) return false;
+    }
+    return true;
   }
 
   /** Matrix from space to the picture, column by column, with what the shaders need. */

@@ -41,6 +41,7 @@ export class Renderer {
     ])
       gl.texParameteri(gl.TEXTURE_2D_ARRAY, name, value);
     [this.target, this.sampled] = [gl.createFramebuffer(), gl.createFramebuffer()];
+    this.unlit = gl.createVertexArray(); // attributes of points without their light: a drawn one may not be written to
     [this.colours, this.depths] = [gl.createRenderbuffer(), gl.createRenderbuffer()];
     this.seen = new Float32Array(16 * LIGHTS);
     gl.enable(gl.DEPTH_TEST);
@@ -105,6 +106,7 @@ export class Renderer {
     gl.bindFramebuffer(gl.FRAMEBUFFER, null);
     if (!hasSky) return;
     this.#use(this.sky);
+    gl.bindVertexArray(this.unlit);
     gl.enable(gl.RASTERIZER_DISCARD);
     for (const { surface } of surfaces) {
       if (surface.hasSky || !surface.count) continue;
@@ -120,6 +122,7 @@ export class Renderer {
       surface.hasSky = true;
     }
     gl.disable(gl.RASTERIZER_DISCARD);
+    gl.bindVertexArray(null);
   }
 
   /** Chooses a program that reads the maps. */

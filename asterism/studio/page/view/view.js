@@ -29,6 +29,7 @@ const QUICK_MS = 45; // longest picture of a moving sheet, if fewer pixels and l
 const MAX_MESHES = 8;
 const MOVE_MS = 350; // in which the sheet moves over from the preview to the exact shape
 const STALE_MS = 600; // without a newer shape, after which the shape of an older design is grey
+const SMALL = 0.7; // of the size at which a sheet just fits: one that is smaller after a change is fitted again
 const WIDE_ASPECT = 1.4; // in wider pictures the height of a sheet limits its size
 
 export class View {
@@ -46,11 +47,13 @@ export class View {
   #drawn = null; // arrays of the sheet as it is drawn
   #box = null;
   #tops = []; // positions that the view shows
+  #followed = []; // the same of the last shape that the camera has followed
   #corners = []; // of the board, which saved pictures show, too
   #level = 0; // of the board
   #light = 0; // shadows of the present shape: 1 of the sun, 2 also of the sky
   #fullMs = 0; // of the last picture with all its light
   #rest = 0;
+  #isSaved = false; // whether what is drawn is a picture to save: its board is light, whatever the scheme of the page
   #share = 1; // of the way from the preview to the exact shape
   #staleTimer = 0;
   #agedFrame = null;
@@ -233,6 +236,7 @@ export class View {
     this.#level = level;
     this.#tops = tops;
     this.#corners = table.corners;
+    this.#follow();
     this.#mark();
     this.#colour();
   }
@@ -290,12 +294,32 @@ export class View {
     this.invalidate();
   }
 
+  /** All positions to show, also of the sheet beside this one. */
+  get #shown() {
+    return this.partner?.shape ? [...this.#tops, ...this.partner.#tops] : this.#tops;
+  }
+
   fit() {
     if (!this.shape) return;
-    const other = this.partner?.shape ? this.partner.#tops : [];
-    this.camera.fit([...this.#tops, ...other], this.aspect);
+    this.camera.fit(this.#shown, this.aspect);
+    this.camera.isOwn = false;
     this.#hasFit = true;
     this.invalidate();
+  }
+
+  /** Fits again a sheet that has left the picture or is much smaller; what a hand has chosen stays as long as it shows
+   * what it showed before, and nothing moves under a hand that drags. */
+  #follow() {
+    const { camera, aspect, leader } = this;
+    const isMoving = document.body.matches(":active") || this.#share < 1;
+    if (leader || !this.#hasFit || isMoving || this.shape.header.stage === "linear") return;
+    const [before, now] = [this.#followed, this.#shown];
+    this.#followed = now;
+    const isOut = !camera.shows(now, aspect);
+    const fitted = Object.assign(new Camera(), camera);
+    fitted.fit(now, aspect);
+    const isSmall = fitted.distance < SMALL * camera.distance;
+    if (camera.isOwn ? isOut && camera.shows(before, aspect) : isOut || isSmall) Object.assign(camera, fitted);
   }
 
   look(name) {
@@ -351,7 +375,11 @@ export class View {
     const sheet = { surface: this.sheetSurface, coloured, weave: coloured ? 0 : 0.04 };
     const surfaces = [];
     if (this.camera.eye[2] > this.#level)
-      surfaces.push({ surface: this.boardSurface, base: BOARDS[isDark(this.canvas) ? "dark" : "light"], line: [...INK, 0.45] });
+      surfaces.push({
+        surface: this.boardSurface,
+        base: BOARDS[isDark(this.canvas) && !this.#isSaved ? "dark" : "light"],
+        line: [...INK, 0.45],
+      });
     const top = { ...sheet, base: front, back, line: [...INK, 0.8], casts: true };
     if (isQuick) surfaces.push(top);
     else
@@ -415,6 +443,7 @@ export class View {
     this.camera = Object.assign(new Camera(), isSmall ? {} : camera);
     this.camera.fit(isSmall ? this.#tops : [...this.#tops, ...this.#corners], width / height);
     if (isSmall) this.isColoured = false;
+    this.#isSaved = !isSmall;
     const fine = 2 * Math.max(width, height) <= this.renderer.largestPx ? 2 : 1;
     if (isSmall) this.draw(0.5, [4 * width, 4 * height]); // quick, on twice the pixels
     else this.draw(1, [fine * width, fine * height]);
@@ -429,6 +458,7 @@ export class View {
     context.drawImage(this.canvas, 0, 0, width, height);
     if (title !== null) caption(context, title, this.camera.pixelMm(height));
     this.camera = camera;
+    this.#isSaved = false;
     if (!isSmall) this.draw();
     return new Promise((resolve) => flat.toBlob(resolve, "image/png"));
   }

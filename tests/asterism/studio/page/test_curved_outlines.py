@@ -19,10 +19,10 @@ pytestmark = pytest.mark.slow
 def page(flat: StudioPage) -> StudioPage:
     flat.open_again("file-plain.toml")
     flat.item("tool-outline").click()
-    flat.item("shape-rectangle").click()
-    flat.fill("shape-width", 100)
-    flat.fill("shape-height", 70)
-    flat.changed(lambda: flat.item("use-shape").click())
+    flat.changed(lambda: flat.fill("shape-rings", 2))
+    flat.changed(lambda: flat.item("shape-rectangle").click())
+    flat.changed(lambda: flat.fill("shape-width", 100))
+    flat.changed(lambda: flat.fill("shape-height", 70))
     return flat
 
 
@@ -130,8 +130,7 @@ def test_an_outline_becomes_a_smooth_curve_through_its_points(page: StudioPage) 
 
 
 def test_an_ellipse_is_turned_by_its_handle_and_by_its_number(page: StudioPage) -> None:
-    page.item("shape-circle").click()
-    page.changed(lambda: page.item("use-shape").click())
+    page.changed(lambda: page.item("shape-circle").click())
     assert page.item("outline-turn").input_value() == "0"
     beyond = 26 / page.get("studio.screenOf([1, 0])[0] - studio.screenOf([0, 0])[0]")
     assert dragged(page, (50.0 + beyond, 0.0), (50.0, 28.5)) < 0.2

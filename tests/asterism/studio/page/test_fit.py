@@ -105,7 +105,7 @@ def test_a_sheet_is_fitted_to_the_target_and_again_with_weights(flat: StudioPage
     assert page.get("studio.document.design.pins.length") == 1
     assert page.get("studio.targetDistance.rms_mm") < 0.01 * page.get("Math.hypot(...studio.target.size_mm)")
     numbers = page.item("fit-numbers").inner_text()
-    assert "of the diameter" in numbers and "Loss by rounding" in numbers
+    assert "of the diameter" in numbers and "Added by printable layers and lines" in numbers
     fitted = page.get("studio.document.design")
 
     # the next fit has the weights that are painted on this sheet, at the same stars

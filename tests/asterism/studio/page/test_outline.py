@@ -32,41 +32,48 @@ def test_an_outline_comes_from_a_file(page: StudioPage, tmp_path: Path) -> None:
 
 
 def test_regular_outlines(page: StudioPage) -> None:
-    page.item("shape-rectangle").click()
-    page.fill("shape-width", 100)
-    page.fill("shape-height", 80)
-    page.changed(lambda: page.item("use-shape").click())
+    assert page.item("shape-hexagon").get_attribute("aria-checked") == "true"  # the outline that the design has
+    page.changed(lambda: page.fill("shape-rings", 2))
+    page.changed(lambda: page.item("shape-rectangle").click())
+    page.changed(lambda: page.fill("shape-width", 100))
+    page.changed(lambda: page.fill("shape-height", 80))
     assert page.get("studio.document.design.border.rectangle_mm") == [100, 80]
-    page.item("shape-polygon").click()
-    page.fill("shape-sides", 5)
-    page.changed(lambda: page.item("use-shape").click())
+    page.changed(lambda: page.item("shape-polygon").click())
+    page.changed(lambda: page.fill("shape-sides", 5))
     assert len(outline(page)) == 5
-    page.item("shape-l").click()
-    page.changed(lambda: page.item("use-shape").click())
+    page.changed(lambda: page.item("shape-l").click())
     corners = outline(page)
-    assert len(corners) == 6 and [0.0, 0.0] in corners and [50.0, 40.0] not in corners
-    page.item("shape-hexagon").click()
-    page.fill("shape-rings", 2)
-    page.changed(lambda: page.item("use-shape").click())
+    assert len(corners) == 6 and [-5.0, 0.0] in corners and [50.0, 45.0] not in corners
+    page.changed(lambda: page.fill("shape-leg", 25))
+    assert [-25.0, -20.0] in outline(page)
+    page.fill("shape-leg", 95)
+    assert page.page.locator(".field", has=page.item("shape-leg")).inner_text().endswith("From 1 mm to 89 mm")
+    page.changed(lambda: page.fill("shape-leg", 60))
+    page.changed(lambda: page.fill("shape-height", 50))  # a leg has at most half of the width then
+    assert page.item("shape-leg").input_value() == "25"
+    page.changed(lambda: page.item("shape-hexagon").click())
     assert page.get("studio.document.design.border.rings") == 2
+    page.changed(lambda: page.item("undo").click())
+    assert page.item("shape-hexagon").get_attribute("aria-checked") == "false"
+    assert not page.item("shape-rings").is_visible()
 
 
 def test_a_shape_with_a_refused_number_is_not_used(page: StudioPage) -> None:
     design = page.get("studio.document.design")
-    page.item("shape-rectangle").click()
+    page.changed(lambda: page.fill("shape-rings", 2))
+    page.changed(lambda: page.item("shape-rectangle").click())
     for typed in ("-5", "nan", ""):
         page.fill("shape-width", typed)
-        page.item("use-shape").click()
         assert page.page.locator("[data-field='border.rectangle_mm'] .fault").is_visible()
-        assert page.get("document.activeElement.dataset.testid") == "shape-width"
-    page.item("shape-hexagon").click()
+    assert page.get("studio.document.position") == 2  # the refused shapes have sent nothing
+    page.changed(lambda: page.item("undo").click())
+    page.changed(lambda: page.item("undo").click())
     page.fill("shape-rings", "2.5")
-    page.item("use-shape").click()
     fault = page.page.locator("[data-field='border.rings'] .fault")
     assert fault.inner_text() == "A whole number, please"
     page.item("shape-rings").fill("2")
-    assert not fault.is_visible()  # at once, so that the button does not move away under a click
-    page.changed(lambda: page.item("use-shape").click())
+    assert not fault.is_visible()  # at once, so that what is below does not move away under a click
+    page.changed(lambda: page.item("shape-rings").press("Enter"))
     assert page.get("studio.document.position") == 1  # the refused shapes have sent nothing
     page.changed(lambda: page.item("undo").click())
     assert page.get("studio.document.design") == design
@@ -165,10 +172,9 @@ def test_holes_that_are_cut_at_once_are_all_there_and_supports_follow_their_numb
 
 
 def test_an_outline_is_an_ellipse_with_handles(page: StudioPage) -> None:
-    page.item("shape-circle").click()
-    page.fill("shape-width", 120)
-    page.fill("shape-height", 120)
-    page.changed(lambda: page.item("use-shape").click())
+    page.changed(lambda: page.item("shape-circle").click())
+    page.changed(lambda: page.fill("shape-width", 120))
+    page.changed(lambda: page.fill("shape-height", 120))
     assert page.get("studio.document.design.border.circle_mm") == {"centre": [0, 0], "radius": 60}
     page.page.keyboard.down("Shift")
     page.changed(lambda: page.drag((0.0, 60.0), (0.0, 45.0)))

@@ -64,6 +64,8 @@ def test_the_export_of_a_settled_sheet_is_of_the_exact_shape_and_can_be_download
     flat.wait("studio.badge.kind === 'exact'")
     words = flat.get("studio.badge.words")
     flat.item("export").click()
+    assert "TPU 95A" in flat.item("export-dialog").inner_text()
+    flat.item("export-preview").set_checked(True)
     flat.item("export-go").click()
     flat.wait("document.querySelectorAll('[data-testid=export-result] a').length > 5")
     assert f"The shape: {words}" in flat.item("export-result").inner_text()

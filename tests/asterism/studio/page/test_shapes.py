@@ -118,6 +118,7 @@ def test_a_picture_is_saved_at_a_chosen_size(shared: StudioPage) -> None:
     shared.item("picture").click()
     shared.item("picture-size").select_option("1920 × 1080")
     red, _, blue = (large := saved()).split()
+    assert "Saved as plain.png" in shared.item("toast").last.inner_text()
     assert large.size == (1920, 1080)
     # what is selected is blue on the page only, and stays selected
     assert ImageChops.subtract(blue, red).getextrema()[1] < 40
@@ -129,6 +130,14 @@ def test_a_picture_is_saved_at_a_chosen_size(shared: StudioPage) -> None:
     picture = saved()
     darkest, lightest = picture.convert("L").getextrema()
     assert picture.size == (700, 420) and darkest < 60 and lightest == 255  # plastic, and the white ground
+    # the colours of the page are not those of a picture
+    shared.page.emulate_media(color_scheme="dark")
+    shared.item("picture").click()
+    shared.fill("picture-width", 700)
+    shared.fill("picture-height", 420)
+    dark = saved()
+    shared.page.emulate_media(color_scheme="light")
+    assert ImageChops.difference(picture, dark).convert("L").getextrema()[1] < 40
 
 
 def test_the_exact_shape_has_a_moving_picture_a_report_and_a_range_of_prints(shared: StudioPage, folder: Path) -> None:

@@ -9,14 +9,19 @@ import { PlanTool } from "./common.js";
 const GRIP_PX = 12;
 
 export class GradientTool extends PlanTool {
-  settings = { quantity: "length", kind: "radial", from: 10, to: 4, power: 1 };
+  settings = { quantity: "length", from: 10, to: 4, power: 1 };
   #line = null;
   #end = -1; // which end is dragged
   #begun = null; // first end of a line by keyboard
 
+  /** How sizes run over the sheet. */
+  get kind() {
+    return this.store.get("sizesKind");
+  }
+
   /** Whether the sizes run along a line; others are typed. */
   get isLine() {
-    return ["radial", "linear"].includes(this.settings.kind);
+    return ["radial", "linear"].includes(this.kind);
   }
 
   get hint() {
@@ -38,13 +43,10 @@ export class GradientTool extends PlanTool {
       const centre = profile.centre_mm ?? [0, 0];
       this.#line = [centre, [centre[0] + profile.over_mm, centre[1]]];
     } else if (profile?.profile === "linear") this.#line = [profile.start_mm, profile.end_mm];
-    if (this.#line)
-      Object.assign(this.settings, {
-        kind: profile.profile,
-        from: profile.from,
-        to: profile.to,
-        power: profile.power ?? 1,
-      });
+    if (this.#line) {
+      this.store.set({ sizesKind: profile.profile });
+      Object.assign(this.settings, { from: profile.from, to: profile.to, power: profile.power ?? 1 });
+    }
     this.plan.invalidate();
     return profile;
   }
@@ -108,7 +110,7 @@ export class GradientTool extends PlanTool {
 
   /** Sends the profile; sizes are drawn at once. */
   apply() {
-    const { quantity, kind, from, to, power } = this.settings;
+    const { kind, settings: { quantity, from, to, power } } = this;
     this.#line ??= this.#wholeSheet(kind);
     const [start, end] = this.#line;
     const over = distance(start, end);
@@ -128,7 +130,7 @@ export class GradientTool extends PlanTool {
 
   /** Painted stars keep their sizes; the others follow the profile. */
   #show(start, end, over) {
-    const { quantity, kind, from, to, power } = this.settings;
+    const { kind, settings: { quantity, from, to, power } } = this;
     const along = [(end[0] - start[0]) / over, (end[1] - start[1]) / over];
     const values = new Map();
     for (const star of this.sheet.stars) {
@@ -154,7 +156,7 @@ export class GradientTool extends PlanTool {
     this.#drawChosen(context, plan, colour);
     if (!this.#line || !this.isLine) return;
     const [start, end] = this.#line;
-    const { kind, from, to, quantity } = this.settings;
+    const { kind, settings: { from, to, quantity } } = this;
     const { digits } = QUANTITIES[quantity];
     const pen = { colour: colour("accent"), width: 2 };
     polyline(context, plan, [start, end], pen);

@@ -296,13 +296,33 @@ function drawCross({ context, colour }, plan, [x, y]) {
   }
 }
 
+/** The kind of regular shape that the outline is, and its size; without a kind the size of any outline, in whole mm. */
+export function regularOf(sheet) {
+  const { border = {} } = sheet.design;
+  const { rings, rectangle_mm, circle_mm, polygon_mm, bulge_mm, spline_mm } = border;
+  const table = JSON.stringify({ rings, rectangle_mm, circle_mm, polygon_mm, bulge_mm, spline_mm });
+  const [{ axes }] = curvesOf(sheet);
+  const [width, height] = rectangle_mm ?? (axes ? axes.map((half) => 2 * half) : sheet.box.size.map((side) => round(side)));
+  const [first, ...others] = polygon_mm ?? [[0, 0]];
+  const found = [
+    { kind: "hexagon", rings },
+    { kind: "rectangle", width, height },
+    { kind: "circle", width, height },
+    { kind: "polygon", width: round(2 * first[1]), sides: others.length + 1 },
+    { kind: "l", width, height, leg: round((others[1]?.[1] ?? 0) - first[1]) },
+  ].find((one) => table !== "{}" && JSON.stringify(regularShape(one.kind, one)) === table);
+  return { width: Math.round(width), height: Math.round(height), leg: null, ...found };
+}
+
 /** The table of a regular shape of a size, in mm. */
-export function regularShape(kind, { width, height, sides, rings }) {
+export function regularShape(kind, { width, height, leg, sides, rings }) {
   if (kind === "rectangle") return { rectangle_mm: [width, height] };
   if (kind === "hexagon") return { rings };
   if (kind === "l") {
     const [x, y] = [width / 2, height / 2];
-    return { polygon_mm: [[-x, -y], [x, -y], [x, 0], [0, 0], [0, y], [-x, y]] };
+    const least = Math.min(width, height);
+    const [right, upper] = [x, y].map((half) => (leg < least && leg ? leg : least / 2) - half); // the inner corner
+    return { polygon_mm: [[-x, -y], [x, -y], [x, upper], [right, upper], [right, y], [-x, y]] };
   }
   if (kind === "circle") return { circle_mm: circleOf([0, 0], [width / 2, height / 2]) };
   return { polygon_mm: ellipse([0, 0], [width / 2, width / 2], { count: sides, start: Math.PI / 2 }) };
