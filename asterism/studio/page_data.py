@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -26,6 +26,7 @@ from asterism.studio.requests import RequestError
 from asterism.studio.star_sizes import PLAIN_WEIGHT, entries_by_site, weights_by_site
 
 DEFAULT_PRINTER = "ultimaker2"
+_Profile = TypeVar("_Profile")
 
 
 REFUSAL_KINDS: dict[type[Exception], str] = {
@@ -151,8 +152,7 @@ def elsewhere(problem: dict[str, Any], text: str) -> dict[str, Any]:
 def printer_entries() -> tuple[dict[str, Any], ...]:
     """Name, title, printable area and frame (mm), and layer heights of each printer."""
     entries = []
-    for name in profile_names("printers"):
-        printer = load_printer(name)
+    for name, printer in _readable("printers", load_printer):
         rounding = printer.roundings()[0]
         entries.append(
             {
@@ -173,7 +173,16 @@ def printer_entries() -> tuple[dict[str, Any], ...]:
 @cache
 def plastic_entries() -> tuple[dict[str, str], ...]:
     """Name and title of each plastic."""
-    return tuple({"name": name, "title": load_plastic(name).name} for name in profile_names("plastics"))
+    return tuple({"name": name, "title": plastic.name} for name, plastic in _readable("plastics", load_plastic))
+
+
+def _readable(kind: str, load: Callable[[str], _Profile]) -> Iterator[tuple[str, _Profile]]:
+    """Names and profiles of a kind; a file of the user that is wrong is left out, and the terminal says so."""
+    for name in profile_names(kind):
+        try:
+            yield name, load(name)
+        except DesignError as error:
+            _log.warning("left out: %s", " ".join(str(error).split()))
 
 
 def known_printer(name: str) -> str:

@@ -11,6 +11,7 @@ from asterism.pattern.design import files as user_files
 from asterism.pattern.design.errors import DesignError
 from asterism.print import printer as profiles
 from asterism.print.printer import NOT_COMPLETE
+from asterism.studio import page_data
 from tests.asterism.print.jobs import Run
 
 OWN = """
@@ -110,7 +111,7 @@ def test_an_unknown_name_lists_what_there_is() -> None:
 
 
 def test_a_broken_file_of_ones_own_does_not_hide_the_others(
-    tmp_path: Path, run: Run, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, run: Run, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:
     assert run("printers").status == 0
     monkeypatch.setenv("ASTERISM_PROFILES", str(tmp_path))
@@ -125,3 +126,6 @@ def test_a_broken_file_of_ones_own_does_not_hide_the_others(
     assert len(lines) == 2
     for kind, line in zip(("printers", "plastics"), lines, strict=True):
         assert line.startswith(f"asterism: {tmp_path / kind / 'broken.toml'}: wrong = 1: unknown key")
+    for entries in (page_data.printer_entries, page_data.plastic_entries):
+        assert len(entries.__wrapped__()) >= 2
+    assert all(str(tmp_path / kind / "broken.toml") in caplog.text for kind in ("printers", "plastics"))
