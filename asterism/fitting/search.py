@@ -9,7 +9,7 @@ sizes. Its residuals are therefore added to those of the preview, and the fit by
 correction: Stetter 1978, The defect correction principle and discretization methods). What it converges to has exact
 residuals. A correction takes one exact shape, which follows from the last one, and no derivatives of the exact model.
 A step counts only if the new exact shape is a certified minimum and nearer to the target; otherwise a part of it is
-tried.
+tried. Steps begin small and grow with success, since far from its sizes the error of the preview is another one.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ from asterism.homogenize.law.star_law import StarLaw
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.painted_stars import with_painted_stars
-from asterism.previews.session import Preview, preview
+from asterism.previews.session import Preview
 from asterism.previews.solve import EDIT_START
 from asterism.previews.star_sensitivity import star_sensitivity
 from asterism.process.listeners import Say, ignore_line
@@ -325,6 +325,10 @@ def _bounded_step(normal: Floats, gradient: Floats, low: Floats, high: Floats) -
     return step
 
 
+# 1: largest change of an unknown in the first correction; in later ones at most twice the change that was kept
+FIRST_CHANGE = 1.0
+
+
 @dataclass(eq=False)
 class ExactCorrection:
     """Corrects the sizes of a search after its fit by the preview.
@@ -350,8 +354,8 @@ class ExactCorrection:
         """Correct the sizes on a design without sizes, in so many rounds at most.
 
         If the design rounds thicknesses, only the lengths change, and they first make up for the rounding. The start is
-        `shape`, the exact one of the present sizes; by default the last one is followed, and the first one is that
-        which the flat print releases to.
+        `shape`, the exact one of the present sizes; by default the last one is followed, and the first one starts from
+        the preview, whose form the fit is of.
         """
         search, start = self.search, self.sizes or self.search.best
         self.distance = None
@@ -362,6 +366,7 @@ class ExactCorrection:
         else:
             sizes = search.again(base, start, start)
             self._try(sizes, base, sizes.length_change(start))
+        most = FIRST_CHANGE
         for _ in range(rounds):
             # % of the diameter, exact distance within which corrections end
             if self.distance is None or self.distance.weighted_percent <= 0.1:
@@ -372,24 +377,29 @@ class ExactCorrection:
             # relative decrease of the distance that a correction must promise
             if promised > 0.97 * self.distance.weighted_percent:
                 break
-            parts = (before.moved(part * step) for part in (1.0, 0.4))
-            if not any(self._try(sizes, base, sizes.length_change(before)) for sizes in parts):
+            change = max(float(np.abs(step).max()), 1e-9)
+            for part in (1.0, 0.4):
+                share = min(1.0, part * most / change)
+                sizes = before.moved(share * step)
+                if self._try(sizes, base, sizes.length_change(before), share):
+                    break
+            else:
                 break
+            most = (2.0 if part == 1.0 else 1.0) * share * change
 
-    def _try(self, sizes: StarUnknowns, base: Design, step_mm: float) -> bool:
-        """Compute the exact shape of sizes; whether it is kept."""
+    def _try(self, sizes: StarUnknowns, base: Design, step_mm: float, share: float = 1.0) -> bool:
+        """Compute the exact shape of sizes, at a share of the step that the preview has taken; whether it is kept."""
         near, design = self.exact, sizes.design(base)
         if near is not None:
             edge = near.summary["edge_mm"]
             if near.held:  # it moves as the preview does, and is then nearer to its next minimum than to others
-                self.search.preview.update(design)
                 moves = self.search.preview.at(near.printed).bumpy - self._previewed
-                near = replace(near, positions=near.positions + moves)
+                near = replace(near, positions=near.positions + share * moves)
             exact = exact_shape(design, near=near, report=self.report, edge_mm=edge)
         else:
-            exact = exact_shape(design, report=self.report)
+            exact = exact_shape(design, near=self.search.preview.shape(), report=self.report)
             if not exact.summary["is_minimum"]:
-                exact = exact_shape(design, near=preview(design, self.search.law), report=self.report)
+                exact = exact_shape(design, report=self.report)
         return self._keep(sizes, base, exact, step_mm)
 
     def _keep(self, sizes: StarUnknowns, base: Design, exact: Shape, step_mm: float) -> bool:
