@@ -374,10 +374,10 @@ class ExactCorrection:
             before = self.sizes or start
             step = search.again(base, before, start).values - before.values
             promised = 100.0 * search.best_rms / search.diameter_mm
-            # relative decrease of the distance that a correction must promise
-            if promised > 0.97 * self.distance.weighted_percent:
+            change = float(np.abs(step).max())
+            # relative decrease of the distance that a correction must promise, and the smallest change
+            if promised > 0.97 * self.distance.weighted_percent or change < 0.01:
                 break
-            change = max(float(np.abs(step).max()), 1e-9)
             for part in (1.0, 0.4):
                 share = min(1.0, part * most / change)
                 sizes = before.moved(share * step)

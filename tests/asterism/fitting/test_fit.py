@@ -88,6 +88,7 @@ def test_the_exact_model_corrects_the_fit(target: TargetSurface) -> None:
     first, *others = summary.corrections
     assert first["step_mm"] == 0.0 and any(each["kept"] for each in others)
     assert min(each["mean_percent"] for each in others) < 0.75 * first["mean_percent"]
+    assert 0.0 < others[0]["step_mm"] <= 1.0
     assert summary.exact.mean_percent < first["mean_percent"]
     # the verified design is the written one
     assert fitted.verification is not None and fitted.verification.design.to_dict() == fitted.design.to_dict()
