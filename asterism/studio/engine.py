@@ -91,7 +91,8 @@ class Engine:
 
     def answer(self, message: Any) -> None:
         """Show an edit, another side or another form; with other parts; or lay the target on the shape."""
-        self.bounds.begin(message.seq)
+        # parts that were asked for before an edit may come after it: what follows is still about the edit
+        self.bounds.begin(max(message.seq, self.bounds.seq))
         if isinstance(message, Parts):
             self._try(lambda: self._show_again(message))
             return

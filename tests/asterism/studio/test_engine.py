@@ -268,6 +268,13 @@ def test_what_is_known_at_rest_follows_a_target_that_comes_meanwhile(
     engine.summary(2)
 
 
+def test_parts_that_were_asked_for_before_an_edit_do_not_take_its_place(engine: EnginePipe) -> None:
+    engine.send(Edit(2, table()))
+    engine.frame(2)
+    engine.send(Parts(1, smooth=True))
+    engine.summary(2)
+
+
 def test_a_target_is_not_laid_on_a_sheet_that_does_not_exist(engine: EnginePipe) -> None:
     engine.send(FitTarget(1))
     assert engine.problem(1).kind == "no target"
