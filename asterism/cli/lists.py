@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -68,19 +67,14 @@ def printers(run: Run) -> int:
     """
     from asterism.pattern.design.errors import DesignError
     from asterism.pattern.design.files import PROFILES_VARIABLE, own_folders
-    from asterism.print.printer import load_plastic, load_printer, profile_names
+    from asterism.print.printer import load_plastic, load_printer, readable_profiles
 
-    kinds: dict[str, Callable[[str], str]] = {
-        "printers": lambda name: _of_printer(load_printer(name)),
-        "plastics": lambda name: load_plastic(name).name,
-    }
-    wrong = []
-    for kind, describe in kinds.items():
-        for name in profile_names(kind):
-            try:
-                run.table({name: describe(name)}, width=14)
-            except DesignError as error:
-                wrong.append(" ".join(str(error).split()))
+    errors: list[DesignError] = []
+    for name, printer in readable_profiles("printers", load_printer, errors.append):
+        run.table({name: _of_printer(printer)}, width=14)
+    for name, plastic in readable_profiles("plastics", load_plastic, errors.append):
+        run.table({name: plastic.name}, width=14)
+    wrong = [" ".join(str(error).split()) for error in errors]
     own = " or ".join(map(str, own_folders()))
     run.lines([f"yours: printers/NAME.toml and plastics/NAME.toml in {own} ({PROFILES_VARIABLE})"])
     run.lines(

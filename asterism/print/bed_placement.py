@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,7 +14,7 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
-from asterism.print.printer import Printer, load_printer, profile_names
+from asterism.print.printer import Printer, load_printer, readable_profiles
 from asterism.print.solid import Terrace
 
 # a rectangle fits another one at some turn from 0 to 180 degrees, in either direction
@@ -119,10 +118,9 @@ def size_warning(design: Design) -> Iterator[str]:
     plan = layout(design)
     x, y = design.fabric.stretch_xy
     turns = TURNS_DEG if x == y else (0,)
-    plastic, printers = _plastic_corners(plan), []
-    for name in profile_names("printers"):
-        with suppress(DesignError):  # `asterism printers` reports files with mistakes
-            printers.append(load_printer(name))
+    plastic = _plastic_corners(plan)
+    # `asterism printers` reports files with mistakes
+    printers = [printer for _, printer in readable_profiles("printers", load_printer, wrong=lambda error: None)]
     if not printers or any(fitting_turn(plastic, plan.outline, printer, turns) is not None for printer in printers):
         return
     low, high = plan.outline.min(axis=0), plan.outline.max(axis=0)

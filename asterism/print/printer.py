@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Annotated, Literal, Self, TypeVar
 
@@ -179,6 +180,19 @@ _Kind = TypeVar("_Kind", bound=Section)
 def profile_names(kind: str) -> list[str]:
     """Names of all profiles of a kind: `printers` or `plastics`."""
     return sorted({path.stem for path in _files(kind)})
+
+
+def readable_profiles(
+    kind: str, load: Callable[[str], _Kind], wrong: Callable[[DesignError], object]
+) -> Iterator[tuple[str, _Kind]]:
+    """Yield names and profiles of a kind by `load_printer` or `load_plastic`; files with a mistake go to `wrong`."""
+    for name in profile_names(kind):
+        try:
+            profile = load(name)
+        except DesignError as error:
+            wrong(error)
+        else:
+            yield name, profile
 
 
 def load_printer(printer: str | Printer) -> Printer:

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from asterism.pattern.design.material_files import with_material_file
 from asterism.pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM, Site
 from asterism.pattern.layout.layout import Layout
 from asterism.print.bed_placement import room_mm
-from asterism.print.printer import load_plastic, load_printer, profile_names
+from asterism.print.printer import load_plastic, load_printer, readable_profiles
 from asterism.studio.design_file import FileChangedError, OtherFileError, ReadOnlyError
 from asterism.studio.document import Document
 from asterism.studio.file_names import shown_path
@@ -26,7 +26,6 @@ from asterism.studio.requests import RequestError
 from asterism.studio.star_sizes import PLAIN_WEIGHT, entries_by_site, weights_by_site
 
 DEFAULT_PRINTER = "ultimaker2"
-_Profile = TypeVar("_Profile")
 
 
 REFUSAL_KINDS: dict[type[Exception], str] = {
@@ -152,7 +151,7 @@ def elsewhere(problem: dict[str, Any], text: str) -> dict[str, Any]:
 def printer_entries() -> tuple[dict[str, Any], ...]:
     """Name, title, printable area and frame (mm), and layer heights of each printer."""
     entries = []
-    for name, printer in _readable("printers", load_printer):
+    for name, printer in readable_profiles("printers", load_printer, _warn):
         rounding = printer.roundings()[0]
         entries.append(
             {
@@ -173,16 +172,13 @@ def printer_entries() -> tuple[dict[str, Any], ...]:
 @cache
 def plastic_entries() -> tuple[dict[str, str], ...]:
     """Name and title of each plastic."""
-    return tuple({"name": name, "title": plastic.name} for name, plastic in _readable("plastics", load_plastic))
+    plastics = readable_profiles("plastics", load_plastic, _warn)
+    return tuple({"name": name, "title": plastic.name} for name, plastic in plastics)
 
 
-def _readable(kind: str, load: Callable[[str], _Profile]) -> Iterator[tuple[str, _Profile]]:
-    """Names and profiles of a kind; a file of the user that is wrong is left out, and the terminal says so."""
-    for name in profile_names(kind):
-        try:
-            yield name, load(name)
-        except DesignError as error:
-            _log.warning("left out: %s", " ".join(str(error).split()))
+def _warn(error: DesignError) -> None:
+    """The terminal names a file of the user that is left out."""
+    _log.warning("left out: %s", " ".join(str(error).split()))
 
 
 def known_printer(name: str) -> str:
