@@ -1,4 +1,4 @@
-"""Where must a needle stand, so that the sheet comes to a given place?
+"""Where must a needle stand? Its place, for a point of the sheet that shall come to a given place.
 
 Picture: canopy-4-needles.webp
 """
