@@ -25,6 +25,9 @@ from asterism.results.records.fit import TargetDistanceRecord
 from asterism.shape.cell_mean import CellMean
 from asterism.shape.shape import Shape
 
+# places of the print this far off the triangles of the exact model are taken to them
+OFF_SHEET_MM = 0.25
+
 
 @dataclass(frozen=True, eq=False)
 class FitDistance:
@@ -172,7 +175,6 @@ class Residual:
     Attributes
     ----------
     target, places : as given.
-    offset : (3 n,) is added to the residuals of previews.
     """
 
     def __init__(self, target: TargetSurface, places: FitPlaces, is_free: bool) -> None:
@@ -180,21 +182,18 @@ class Residual:
         weight = target.weight_at(places.goals[: places.count])
         self._weight = weight / weight.mean()
         self._scale = np.sqrt(self._weight / places.count)
-        self.offset: Floats | float = 0.0
 
     def at(self, shown: Places) -> SheetState:
         """The residuals of a preview, shown at the points of `places`."""
         count = self.places.count
-        state = self._state(shown.smooth[:count] + self.places.bump_mean(shown.bumps), lambda values: values)
-        return replace(state, values=state.values + self.offset)
+        return self._state(shown.smooth[:count] + self.places.bump_mean(shown.bumps), lambda values: values)
 
     def of_exact(self, shape: Shape) -> SheetState:
         """The residuals of an exact shape: means over a cell of its distances to the target.
 
         A mean of distances is not shifted inwards by the curvature of the sheet, as a mean of places would be.
         """
-        # mm, places of the print this far off the triangles of the exact model are taken to them
-        return self._state(shape.at(self.places.points, 0.25), self.places.bump_mean)
+        return self._state(shape.at(self.places.points, OFF_SHEET_MM), self.places.bump_mean)
 
     def _state(self, surface: Floats, mean: Callable[[Floats], Floats]) -> SheetState:
         """The residuals of a surface (m, 3) at the first m points, with a mean of their values at the n places."""
@@ -235,6 +234,11 @@ class Residual:
         turns = np.stack([np.cross(axis, arm) for axis in np.eye(3)], axis=-1)
         rigid = self._columns(state, np.concatenate([turns, np.broadcast_to(np.eye(3), turns.shape)], axis=-1))
         return np.asarray(columns - rigid @ np.linalg.lstsq(rigid, columns, rcond=None)[0])
+
+    def exact_derivatives(self, state: SheetState, moves: Floats) -> Floats:
+        """The derivatives for moves (m, 3, P) of all points of an exact shape: of their means over a cell."""
+        means = self.places.bump_mean(moves.reshape(len(moves), -1))
+        return self.derivatives(state, means.reshape(-1, *moves.shape[1:]))
 
     def _columns(self, state: SheetState, moves: Floats) -> Floats:
         """(3 n, P) of the residuals, for motions (n, 3, P) of the places."""

@@ -4,12 +4,9 @@ The preview follows each step from its last equilibrium. A step counts only if t
 near its linear prediction, and is nearer to the target. Every third step a fresh preview starts from initial guesses:
 where it takes another form, the fit goes on from that form. Only what a fresh preview confirms is returned.
 
-The exact shape of fitted sizes misses the target by the error of the preview, and this error changes little with the
-sizes. Its residuals are therefore added to those of the preview, and the fit by the preview goes on from there (defect
-correction: Stetter 1978, The defect correction principle and discretization methods). What it converges to has exact
-residuals. A correction takes one exact shape, which follows from the last one, and no derivatives of the exact model.
-A step counts only if the new exact shape is a certified minimum and nearer to the target; otherwise a part of it is
-tried. Steps begin small and grow with success, since far from its sizes the error of the preview is another one.
+The exact shape of fitted sizes misses the target by the error of the preview. Corrections are steps of the same kind
+with the derivatives of the exact shape (Gauss and Newton), within bounds that grow and shrink with success. A step
+counts only if the new exact shape, which follows from the last one, is a certified minimum and nearer to the target.
 """
 
 from __future__ import annotations
@@ -28,11 +25,13 @@ from asterism.discrete.release.continuation import Report
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.errors import Error
 from asterism.exact.simulation import exact_shape
+from asterism.exact.star_sensitivity import StarResponse
 from asterism.fitting.first_guess import FITTED_SIZE_DECIMALS
 from asterism.fitting.reach import StarMenu
-from asterism.fitting.residual import FitDistance, Residual, SheetState
+from asterism.fitting.residual import OFF_SHEET_MM, FitDistance, Residual, SheetState
 from asterism.homogenize.law.star_law import StarLaw
 from asterism.pattern.design.design import Design
+from asterism.pattern.geometry.point_location import locate
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.painted_stars import with_painted_stars
 from asterism.previews.session import Preview
@@ -118,6 +117,11 @@ class StarUnknowns:
         of_one_size = ends.T @ ends / max(len(pairs), 1)
         return sp.csr_array(sp.block_diag([of_one_size, of_one_size]))
 
+    def weight(self) -> Floats:
+        """(2 S, 2 S) mm^2 for changes of the unknowns: of the differences between neighbours, and of each."""
+        count = len(self.values)
+        return np.asarray(0.12**2 * self.roughness().toarray() + 0.01**2 / count * np.eye(count))
+
     def smooth_basis(self) -> Floats:
         """(2 S, m) orthonormal smooth changes: polynomials of the printed coordinates, of degree 2 and 1."""
         centres = self.plan.centres - self.plan.centres.mean(axis=0)
@@ -176,12 +180,6 @@ class FitSearch:
         self._stage("stars", steps, None)
         return self.best
 
-    def aim(self, base: Design, sizes: StarUnknowns, exact: Shape) -> None:
-        """Count the residuals of previews by those of an exact shape: at its sizes both are equal."""
-        self.base, self.unknowns, self.residual.offset = base, sizes, 0.0
-        self._renew()
-        self.residual.offset = self.residual.of_exact(exact).values - self.state.values
-
     def _stage(self, kind: str, count: int, basis: Floats | None) -> None:
         taken = 0
         while taken < count:
@@ -231,14 +229,9 @@ class FitSearch:
 
     def _step(self, basis: Floats | None) -> bool:
         """Take one step; False if none is accepted."""
-        jacobian = self._jacobian()
-        rough = self.start.roughness()
-        change = self.unknowns.values - self.start.values
-        count = len(change)
-        # mm per unit: weight of the differences between neighbours, and of the changes themselves
-        weight = 0.12**2 * rough.toarray() + 0.01**2 / count * np.eye(count)
-        normal = jacobian.T @ jacobian + weight
-        gradient = jacobian.T @ self.state.values + weight @ change
+        weight = self.start.weight()
+        normal, gradient = _normal_equations(self._jacobian(), self.state.values, self.start, self.unknowns, weight)
+        count = len(gradient)
         scale = float(np.diag(normal).max())
         cost = self._cost(self.state, self.unknowns, weight)
         low, high = self._bounds()
@@ -250,7 +243,7 @@ class FitSearch:
             else:
                 step = basis @ np.linalg.solve(basis.T @ damped @ basis, -basis.T @ gradient)
                 step = np.clip(step, low, high)
-            predicted = -(gradient @ step + 0.5 * step @ normal @ step)
+            predicted = -float(gradient @ step + 0.5 * step @ normal @ step)
             if predicted > 0.0 and self._try(step, cost, predicted, weight):
                 self._damping = max(0.3 * self._damping, 1e-9)
                 return True
@@ -325,8 +318,17 @@ def _bounded_step(normal: Floats, gradient: Floats, low: Floats, high: Floats) -
     return step
 
 
-# 1: largest change of an unknown in the first correction; in later ones at most twice the change that was kept
+def _normal_equations(
+    jacobian: Floats, values: Floats, start: StarUnknowns, unknowns: StarUnknowns, weight: Floats
+) -> tuple[Floats, Floats]:
+    """Matrix (P, P) and gradient (P,) of half the square of residuals and of weighted changes from a start."""
+    return jacobian.T @ jacobian + weight, jacobian.T @ values + weight @ (unknowns.values - start.values)
+
+
+# 1: largest change of an unknown in the first correction; it doubles with a correction that is kept
 FIRST_CHANGE = 1.0
+# of this change, if the new exact shape is not nearer to the target
+SMALLER_PARTS = (0.4, 0.1)
 
 
 @dataclass(eq=False)
@@ -348,7 +350,6 @@ class ExactCorrection:
     exact: Shape | None = None
     distance: FitDistance | None = None
     done: list[dict[str, Any]] = field(default_factory=list)
-    _previewed: Floats = field(default_factory=lambda: np.empty((0, 3)))  # places of the preview of its sizes
 
     def run(self, base: Design, rounds: int, shape: Shape | None = None) -> None:
         """Correct the sizes on a design without sizes, in so many rounds at most.
@@ -357,60 +358,95 @@ class ExactCorrection:
         `shape`, the exact one of the present sizes; by default the last one is followed, and the first one starts from
         the preview, whose form the fit is of.
         """
-        search, start = self.search, self.sizes or self.search.best
-        self.distance = None
+        start, rounding = self.sizes or self.search.best, base.required_stars.rounding
+        varies = np.arange(len(start.values)) < len(start.sizes_mm) if rounding else np.full(len(start.values), True)
+        last = self.exact
+        self.exact = self.distance = None
         if shape is not None:
             self._keep(start, base, shape, 0.0)
-        elif self.exact is None:
-            self._try(start, base, 0.0)
+        elif last is None:
+            self._try(start, base, 0.0, self.search.preview.shape())
         else:
-            sizes = search.again(base, start, start)
-            self._try(sizes, base, sizes.length_change(start))
+            rounded = np.zeros(len(start.values))
+            if rounding is not None:
+                thickness = start.sizes_mm[:, 1]
+                rounded[len(thickness) :] = np.log(rounding.thickness(thickness) / thickness) / THICKNESS_UNIT
+            linear = _Linear(last, self.search.residual, start, start)
+            step = linear.step(FIRST_CHANGE, varies, rounded)
+            self._try(start.moved(step - rounded), base, _largest(step), linear.shape_after(step))
         most = FIRST_CHANGE
         for _ in range(rounds):
             # % of the diameter, exact distance within which corrections end
-            if self.distance is None or self.distance.weighted_percent <= 0.1:
+            if self.exact is None or self.distance is None or self.distance.weighted_percent <= 0.1:
                 break
-            before = self.sizes or start
-            step = search.again(base, before, start).values - before.values
-            promised = 100.0 * search.best_rms / search.diameter_mm
-            change = float(np.abs(step).max())
-            # relative decrease of the distance that a correction must promise, and the smallest change
-            if promised > 0.97 * self.distance.weighted_percent or change < 0.01:
-                break
-            for part in (1.0, 0.4):
-                share = min(1.0, part * most / change)
-                sizes = before.moved(share * step)
-                if self._try(sizes, base, sizes.length_change(before), share):
+            before, exact = self.sizes or start, self.exact
+            linear = _Linear(exact, self.search.residual, before, start)
+            for part in (1.0, *SMALLER_PARTS):
+                step = linear.step(part * most, varies)
+                # smallest change, and relative decrease of the distance that a correction must promise
+                if _largest(step) < 0.01 or linear.rms_after(step) > 0.97 * linear.rms_after(0.0 * step):
+                    return
+                if self._try(before.moved(step), base, _largest(step), linear.shape_after(step)):
                     break
             else:
                 break
-            most = (2.0 if part == 1.0 else 1.0) * share * change
+            most *= 2.0 if part == 1.0 else part
 
-    def _try(self, sizes: StarUnknowns, base: Design, step_mm: float, share: float = 1.0) -> bool:
-        """Compute the exact shape of sizes, at a share of the step that the preview has taken; whether it is kept."""
-        near, design = self.exact, sizes.design(base)
-        if near is not None:
-            edge = near.summary["edge_mm"]
-            if near.held:  # it moves as the preview does, and is then nearer to its next minimum than to others
-                moves = self.search.preview.at(near.printed).bumpy - self._previewed
-                near = replace(near, positions=near.positions + share * moves)
-            exact = exact_shape(design, near=near, report=self.report, edge_mm=edge)
-        else:
-            exact = exact_shape(design, near=self.search.preview.shape(), report=self.report)
-            if not exact.summary["is_minimum"]:
-                exact = exact_shape(design, report=self.report)
-        return self._keep(sizes, base, exact, step_mm)
+    def _try(self, sizes: StarUnknowns, base: Design, change: float, near: Shape) -> bool:
+        """Compute the exact shape of sizes from a shape near it; whether it is kept."""
+        design, edge = sizes.design(base), near.summary.get("edge_mm")
+        exact = exact_shape(design, near=near, report=self.report, edge_mm=edge)
+        if self.exact is None and not exact.summary["is_minimum"]:
+            exact = exact_shape(design, report=self.report)
+        return self._keep(sizes, base, exact, change)
 
-    def _keep(self, sizes: StarUnknowns, base: Design, exact: Shape, step_mm: float) -> bool:
-        """Keep sizes with their exact shape if it is a minimum and nearer to the target; the fit then aims by it."""
+    def _keep(self, sizes: StarUnknowns, base: Design, exact: Shape, change: float) -> bool:
+        """Keep sizes with their exact shape if it is a minimum and nearer to the target."""
         distance = self.distance_of(exact)
         percent = distance.weighted_percent
         kept = bool(exact.summary["is_minimum"]) and (self.distance is None or percent < self.distance.weighted_percent)
-        self.done.append({"mean_percent": percent, "step_mm": step_mm, "kept": kept})
+        self.done.append({"mean_percent": percent, "step_mm": change, "kept": kept})
         self.search.say(f"exact shape {len(self.done)}: {percent:.2f} % of the diameter, {'' if kept else 'not '}kept")
         if kept:
             self.sizes, self.exact, self.distance = sizes, exact, distance
-            self.search.aim(base, sizes, exact)
-            self._previewed = self.search.preview.at(exact.printed).bumpy
         return kept
+
+
+# unknowns whose moves are in memory at a time
+UNKNOWNS_PER_BLOCK = 64
+
+
+class _Linear:
+    """An exact shape to first order in the P unknowns; changes of its sizes count from a start."""
+
+    def __init__(self, exact: Shape, residual: Residual, sizes: StarUnknowns, start: StarUnknowns) -> None:
+        self._exact, self._sizes = exact, sizes
+        self._response = StarResponse(exact, "length_mm", "thickness_mm")
+        state, places = residual.of_exact(exact), residual.places.points
+        triangle, weights = locate(exact.printed, exact.triangles, places, OFF_SHEET_MM)
+        columns, units = [], np.diag(sizes.units)
+        for first in range(0, len(units), UNKNOWNS_PER_BLOCK):
+            moves = self._response(units[:, first : first + UNKNOWNS_PER_BLOCK])
+            moves = np.einsum("nk,nkcp->ncp", weights, moves[exact.triangles[triangle]])
+            columns.append(residual.exact_derivatives(state, moves))
+        self._values, self._jacobian = state.values, np.hstack(columns)
+        self._normal, self._gradient = _normal_equations(self._jacobian, state.values, start, sizes, start.weight())
+
+    def step(self, most: float, varies: np.ndarray, known: Floats | float = 0.0) -> Floats:
+        """(P,) the best change by at most so much of the unknowns that vary, beside a known change of the others."""
+        low, high = (np.where(varies, np.clip(bound, -most, most), 0.0) for bound in self._sizes.bounds)
+        known = np.broadcast_to(known, low.shape)
+        return known + _bounded_step(self._normal, self._gradient + self._normal @ known, low, high)
+
+    def rms_after(self, step: Floats) -> float:
+        """mm, root mean square distance to the target after a change (P,)."""
+        return float(np.linalg.norm((self._values + self._jacobian @ step)[::3]))
+
+    def shape_after(self, step: Floats) -> Shape:
+        """The shape after a change (P,)."""
+        moves = self._response((self._sizes.units * step)[:, None])[..., 0]
+        return replace(self._exact, positions=self._exact.positions + moves)
+
+
+def _largest(step: Floats) -> float:
+    return float(np.abs(step).max())

@@ -24,10 +24,10 @@ from asterism.pattern.design.errors import check_type
 from asterism.pattern.design.section import is_whole
 from asterism.pattern.geometry.planar import inside
 from asterism.pattern.layout.build import layout
-from asterism.pattern.layout.painted_stars import SIZE_KEYS, with_painted_stars
+from asterism.pattern.layout.painted_stars import SIZE_KEYS, SizeName, with_painted_stars
 from asterism.previews.law_choice import serving_law
 from asterism.previews.session import Preview, preview
-from asterism.previews.star_sensitivity import SIZE_STEPS, SizeName
+from asterism.previews.star_sensitivity import SIZE_STEPS
 from asterism.process.listeners import Say, ignore_line
 from asterism.shape.shape import Shape
 

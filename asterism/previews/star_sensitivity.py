@@ -8,7 +8,6 @@ of stars. The change of the stress at a place belongs to the nearest of the chan
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Literal
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -17,7 +16,7 @@ from asterism.equilibrium.arrays import Floats
 from asterism.fem.search.linear_response import stress_responses, stress_under
 from asterism.homogenize.law.axes import AXES
 from asterism.pattern.layout.build import layout
-from asterism.pattern.layout.painted_stars import SIZE_KEYS, with_painted_stars
+from asterism.pattern.layout.painted_stars import SIZE_KEYS, SizeName, with_painted_stars
 from asterism.previews.fields.star_values import StarValues, star_values
 from asterism.previews.solve import PreviewState
 
@@ -25,8 +24,6 @@ from asterism.previews.solve import PreviewState
 COLOUR_STEPS = 4
 # changes for the differences: of lengths in mm, of thicknesses and widths relative to them
 SIZE_STEPS = (0.005, 5e-4, 5e-4)
-
-SizeName = Literal["length_mm", "thickness_mm", "width_mm"]
 
 
 def star_sensitivity(state: PreviewState, size: SizeName) -> Floats:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,6 +15,7 @@ from asterism.pattern.layout.build import sheet_sites
 from asterism.pattern.layout.star_cells import site_of
 
 SIZE_KEYS = ("length_mm", "thickness_mm", "width_mm")
+SizeName = Literal["length_mm", "thickness_mm", "width_mm"]
 NO_SIZES = (None, None, None)
 
 

@@ -8,9 +8,9 @@ import pytest
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.design import Design
 from asterism.pattern.geometry.rigid_fit import rigid_fit
-from asterism.pattern.layout.painted_stars import with_painted_stars
+from asterism.pattern.layout.painted_stars import SizeName, with_painted_stars
 from asterism.previews.session import Preview
-from asterism.previews.star_sensitivity import SizeName, star_sensitivity
+from asterism.previews.star_sensitivity import star_sensitivity
 
 SIZES = {"length_mm": 7.0, "thickness_mm": 0.45, "width_mm": 1.2}
 PINNED = {"corners": [0, 2, 4], "target_mm": [[30.0, 15.0, 0.0], [-33.0, 2.0, 3.0], [2.0, -34.0, 0.0]]}

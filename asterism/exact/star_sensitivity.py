@@ -1,0 +1,138 @@
+"""Sensitivities of an exact shape: the change of its equilibrium for a small change of each star.
+
+The mesh of a changed star is the one before, moved with the ends of its arms. The sheet first keeps its shape: its
+vertices move along it as their places on the print do. The gradient that the energy then has drives the linear
+response. Stars some lattice steps apart share no vertex, so that they are changed together.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import scipy.sparse as sp
+from scipy.sparse.linalg import spsolve
+from scipy.spatial import cKDTree
+
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.model.state import State
+from asterism.discrete.release.continuation import solve_on_mesh
+from asterism.discrete.release.levels import model_on
+from asterism.discrete.release.prolongation import fit_to_surface
+from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.newton.minimise import is_definite_on_support
+from asterism.equilibrium.threads import one_blas_thread
+from asterism.pattern.design.design import Design
+from asterism.pattern.geometry.planar import triangle_areas
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.painted_stars import SIZE_KEYS, SizeName, with_painted_stars
+from asterism.pattern.rods.graph import RodGraph
+from asterism.shape.shape import Shape
+from asterism.shape.surface_fields import deformation_gradients
+
+# lattice steps between stars whose length, thickness or width is changed together: a length moves the mesh
+COLOUR_STEPS = (3, 2, 2)
+# change of a size for the differences: of lengths in mm, of thicknesses and widths relative to them
+SIZE_STEP = 1e-4
+
+
+class StarResponse:
+    """The linear response of an exact minimum to small changes of the sizes of its stars.
+
+    Parameters
+    ----------
+    shape : exact shape of a design with S stars, a minimum.
+    sizes : K of `length_mm`, `thickness_mm` and `width_mm`, as before a rounding of the design.
+
+    Raises
+    ------
+    ValueError
+        The shape is not a minimum.
+
+    Examples
+    --------
+    The moves of a sheet of one star whose arms get 0.1 mm longer:
+
+    >>> from asterism.exact.simulation import exact_shape
+    >>> from asterism.pattern import gallery
+    >>> shape = exact_shape(gallery.load("star"), edge_mm=4.0)
+    >>> StarResponse(shape, "length_mm")(np.array([[0.1]])).shape == (len(shape.positions), 3, 1)
+    True
+    """
+
+    @one_blas_thread()
+    def __init__(self, shape: Shape, *sizes: SizeName) -> None:
+        design = Design.from_dict(shape.summary["design"])
+        model = model_on(design, layout(design), shape.summary["edge_mm"])
+        state = solve_on_mesh(model, fit_to_surface(model, shape.positions)).state
+        self._model, self._factor = model, model.factor()
+        if not is_definite_on_support(model, state, model.hessian(state, 0.0), self._factor):
+            raise ValueError("sensitivities belong to a minimum")
+        self._forces = sp.hstack([_forces(model, state, SIZE_KEYS.index(size)) for size in sizes]).tocsr()
+
+    def __call__(self, changes: Floats) -> Floats:
+        """(V, 3, n) mm, moves of the vertices for changes (K S, n) of the sizes, mm: first all of the first size."""
+        model, response = self._model, np.zeros((self._model.n_dofs, changes.shape[1]))
+        response[model.free] = self._factor.solve(np.ascontiguousarray(-(self._forces @ changes)[model.free]))
+        return response[: 3 * model.n_vertices].reshape(model.n_vertices, 3, -1)
+
+
+def _forces(model: DiscreteModel, state: State, column: int) -> sp.coo_array:
+    """(n_dofs, S) change of the energy's gradient per mm of one size of each star, at its vertices."""
+    plan, gradient, known = model.layout, model.full_gradient(state), model.layout.star_sizes_mm[:, column]
+    steps = np.full(len(known), SIZE_STEP) * (1.0 if column == 0 else known)
+    vertex = np.concatenate(
+        [np.repeat(np.arange(model.n_vertices), 3), model.edges[:, 0], np.repeat(model.joint_vertices, 3)]
+    )
+    apart = COLOUR_STEPS[column]
+    colours = (plan.sites % apart) @ np.array([apart, 1])
+    parts = []
+    for colour in np.unique(colours):
+        stars = np.flatnonzero(colours == colour)
+        sizes = np.full((len(stars), len(SIZE_KEYS)), np.nan)
+        sizes[:, column] = known[stars] + steps[stars]
+        design = with_painted_stars(model.design, plan.sites[stars], sizes)
+        changed = layout(design)
+        moves = _mesh_moves(model, changed.graph)
+        other = type(model)(design, changed, replace(model.mesh, points=model.mesh.points + moves))
+        kept = model.moved_to(state, state.positions + _along_the_sheet(model, state.positions, moves))
+        change = other.full_gradient(kept) - gradient
+        touched = np.flatnonzero(change)
+        owner = stars[cKDTree(plan.centres[stars]).query(model.mesh.points[vertex[touched]])[1]]
+        parts.append((change[touched] / steps[owner], touched, owner))
+    values, rows, columns = (np.concatenate(each) for each in zip(*parts, strict=True))
+    return sp.coo_array((values, (rows, columns)), shape=(model.n_dofs, len(known)))
+
+
+def _mesh_moves(model: DiscreteModel, graph: RodGraph) -> Floats:
+    """(V, 2) mm: the vertices of rods move as the rods do, those around them within their star's cell follow."""
+    mesh, moves = model.mesh, np.zeros_like(model.mesh.points)
+    for path, before, after in zip(mesh.rods, model.layout.graph.rods, graph.rods, strict=True):
+        if not np.array_equal(before.points, after.points):
+            steps = np.linalg.norm(np.diff(mesh.points[path], axis=0), axis=1)
+            part = np.concatenate([[0.0], np.cumsum(steps) / steps.sum()])
+            moves[path] = after.at(after.points, part) - before.at(before.points, part)
+    if not moves.any():
+        return moves
+    pairs = np.concatenate([mesh.triangles[:, [0, 1]], mesh.triangles[:, [1, 2]], mesh.triangles[:, [2, 0]]])
+    cell = cKDTree(model.layout.centres).query(mesh.points)[1]
+    known = np.asarray(model.constraints.held.any(axis=1))
+    known[pairs[cell[pairs[:, 0]] != cell[pairs[:, 1]]]] = True
+    known[np.concatenate([*mesh.rods, mesh.border_vertices, *mesh.hole_vertices])] = True
+    joins = sp.coo_array((np.ones(len(pairs)), pairs.T), shape=(len(known), len(known))).tocsr()
+    laplacian = sp.csgraph.laplacian(joins + joins.T).tocsr()
+    free = np.flatnonzero(~known)
+    moves[free] = spsolve(laplacian[free][:, free].tocsc(), -(laplacian[free] @ moves))
+    return moves
+
+
+def _along_the_sheet(model: DiscreteModel, positions: Floats, moves: Floats) -> Floats:
+    """(V, 3) mm, by how much the vertices of a sheet move along it, if their printed places move by (V, 2) mm."""
+    points, corners = model.mesh.points, model.mesh.triangles
+    gradients, area = deformation_gradients(points, positions, corners), triangle_areas(points, corners)
+    # the mean at every vertex by the areas
+    total, weight = np.zeros((len(points), 3, 2)), np.zeros(len(points))
+    for corner in corners.T:
+        np.add.at(total, corner, gradients * area[:, None, None])
+        np.add.at(weight, corner, area)
+    return np.einsum("vij,vj->vi", total / weight[:, None, None], moves)
