@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cached_property
 
 import numpy as np
 
@@ -35,7 +36,6 @@ class System:
     ----------
     load_datum : (3,) mm, position at which the potential of the dead load is zero; the origin by default.
     free : indices of the dofs that move.
-    pattern : sparsity pattern of the Hessian over the free dofs.
 
     Examples
     --------
@@ -67,7 +67,11 @@ class System:
         self.joint_vertices = np.empty(0, dtype=np.int64) if joint_vertices is None else joint_vertices
         self.load_datum = np.zeros(3)
         self.free = np.flatnonzero(~held)
-        self.pattern = SparsePattern([part.dofs for part in parts.values()], self.n_dofs, self.free)
+
+    @cached_property
+    def pattern(self) -> SparsePattern:
+        """Sparsity pattern of the Hessian over the free dofs; made at the first use."""
+        return SparsePattern([part.dofs for part in self.parts.values()], self.n_dofs, self.free)
 
     def energies(self, state: State) -> dict[str, float]:
         """N mm, by part. The potential of a dead load has the name gravity."""
