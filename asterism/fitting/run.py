@@ -110,7 +110,7 @@ def fit(
             if corrections:
                 correction.run(base, few)
             else:
-                search.again(base, search.best, search.best, steps=4)
+                search.again(base)
         if settings.exact:
             verification = verified()
         if corrections and verification is not None and _released_elsewhere(verification):

@@ -165,20 +165,16 @@ class FitSearch:
         self._stage("smooth", 3, self.start.smooth_basis())
         self._stage("stars", 12, None)
 
-    def again(self, base: Design, sizes: StarUnknowns, start: StarUnknowns, steps: int = 6) -> StarUnknowns:
-        """Fit each star again from sizes, and return the best ones; lengths only if the design rounds thicknesses.
-
-        Changes count from the sizes `start`.
-        """
-        self.base, self.start, self._damping = base, start, FIRST_DAMPING
-        self.unknowns = self.best = sizes
+    def again(self, base: Design) -> None:
+        """Fit each star again on a design, from the best sizes; lengths only if the design rounds thicknesses."""
+        self.base, self.start, self._damping = base, self.best, FIRST_DAMPING
+        self.unknowns = self.best
         if base.required_stars.rounding is not None:
-            self._varies = np.arange(len(sizes.units)) < len(sizes.sizes_mm)
+            self._varies = np.arange(len(self.best.values)) < len(self.best.sizes_mm)
         self._renew()
         self.best_rms = self.state.rms_mm
         self._record("fresh")
-        self._stage("stars", steps, None)
-        return self.best
+        self._stage("stars", 4, None)
 
     def _stage(self, kind: str, count: int, basis: Floats | None) -> None:
         taken = 0
@@ -363,9 +359,9 @@ class ExactCorrection:
         last = self.exact
         self.exact = self.distance = None
         if shape is not None:
-            self._keep(start, base, shape, 0.0)
+            self._keep(start, start, shape)
         elif last is None:
-            self._try(start, base, 0.0, self.search.preview.shape())
+            self._try(start, start, base, self.search.preview.shape())
         else:
             rounded = np.zeros(len(start.values))
             if rounding is not None:
@@ -373,7 +369,7 @@ class ExactCorrection:
                 rounded[len(thickness) :] = np.log(rounding.thickness(thickness) / thickness) / THICKNESS_UNIT
             linear = _Linear(last, self.search.residual, start, start)
             step = linear.step(FIRST_CHANGE, varies, rounded)
-            self._try(start.moved(step - rounded), base, _largest(step), linear.shape_after(step))
+            self._try(start.moved(step - rounded), start, base, linear.shape_after(step))
         most = FIRST_CHANGE
         for _ in range(rounds):
             # % of the diameter, exact distance within which corrections end
@@ -384,28 +380,28 @@ class ExactCorrection:
             for part in (1.0, *SMALLER_PARTS):
                 step = linear.step(part * most, varies)
                 # smallest change, and relative decrease of the distance that a correction must promise
-                if _largest(step) < 0.01 or linear.rms_after(step) > 0.97 * linear.rms_after(0.0 * step):
+                if np.abs(step).max() < 0.01 or linear.rms_after(step) > 0.97 * linear.rms_after(0.0 * step):
                     return
-                if self._try(before.moved(step), base, _largest(step), linear.shape_after(step)):
+                if self._try(before.moved(step), before, base, linear.shape_after(step)):
                     break
             else:
                 break
             most *= 2.0 if part == 1.0 else part
 
-    def _try(self, sizes: StarUnknowns, base: Design, change: float, near: Shape) -> bool:
+    def _try(self, sizes: StarUnknowns, before: StarUnknowns, base: Design, near: Shape) -> bool:
         """Compute the exact shape of sizes from a shape near it; whether it is kept."""
         design, edge = sizes.design(base), near.summary.get("edge_mm")
         exact = exact_shape(design, near=near, report=self.report, edge_mm=edge)
         if self.exact is None and not exact.summary["is_minimum"]:
             exact = exact_shape(design, report=self.report)
-        return self._keep(sizes, base, exact, change)
+        return self._keep(sizes, before, exact)
 
-    def _keep(self, sizes: StarUnknowns, base: Design, exact: Shape, change: float) -> bool:
+    def _keep(self, sizes: StarUnknowns, before: StarUnknowns, exact: Shape) -> bool:
         """Keep sizes with their exact shape if it is a minimum and nearer to the target."""
         distance = self.distance_of(exact)
         percent = distance.weighted_percent
         kept = bool(exact.summary["is_minimum"]) and (self.distance is None or percent < self.distance.weighted_percent)
-        self.done.append({"mean_percent": percent, "step_mm": change, "kept": kept})
+        self.done.append({"mean_percent": percent, "step_mm": sizes.length_change(before), "kept": kept})
         self.search.say(f"exact shape {len(self.done)}: {percent:.2f} % of the diameter, {'' if kept else 'not '}kept")
         if kept:
             self.sizes, self.exact, self.distance = sizes, exact, distance
@@ -446,7 +442,3 @@ class _Linear:
         """The shape after a change (P,)."""
         moves = self._response((self._sizes.units * step)[:, None])[..., 0]
         return replace(self._exact, positions=self._exact.positions + moves)
-
-
-def _largest(step: Floats) -> float:
-    return float(np.abs(step).max())
