@@ -2,7 +2,7 @@
 
 import { withoutOptions } from "./format.js";
 
-const TYPES = { f4: Float32Array, u4: Uint32Array, i1: Int8Array, u1: Uint8Array, f8: Float64Array };
+const TYPES = { f4: Float32Array, u4: Uint32Array, i1: Int8Array, u1: Uint8Array };
 const MAX_WAIT_MS = 5000;
 const TRY_AGAIN_LATER = 1013; // too many pages are open
 
@@ -12,10 +12,7 @@ export function unpack(buffer) {
   const header = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 8, length)));
   const arrays = {};
   for (const { name, dtype, shape, offset: at } of header.arrays ?? []) {
-    const count = shape.reduce((all, one) => all * one, 1);
-    const bytes = TYPES[dtype].BYTES_PER_ELEMENT;
-    arrays[name] =
-      at % bytes === 0 ? new TYPES[dtype](buffer, at, count) : new TYPES[dtype](buffer.slice(at, at + count * bytes));
+    arrays[name] = new TYPES[dtype](buffer, at, shape.reduce((all, one) => all * one, 1));
     arrays[name].rows = shape[0];
   }
   return { kind, header, arrays };

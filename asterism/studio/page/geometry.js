@@ -36,39 +36,27 @@ export function isInside(point, polygon) {
   return inside;
 }
 
+/** The edges of a polygon, [from, to] each; edge i runs from corner i to the next. */
+export const edgesOf = (polygon) => polygon.map((corner, k) => [corner, polygon[(k + 1) % polygon.length]]);
+
 /** The nearest point of a segment: {point, distance, share}. */
 export function nearestOnSegment(point, a, b) {
   const along = difference(b, a);
-  const length2 = along[0] ** 2 + along[1] ** 2;
-  const off = difference(point, a);
-  const share = length2 ? clamp((off[0] * along[0] + off[1] * along[1]) / length2, 0, 1) : 0;
+  const length2 = dot(along, along);
+  const share = length2 ? clamp(dot(difference(point, a), along) / length2, 0, 1) : 0;
   const nearest = between(a, b, share);
   return { point: nearest, distance: distance(point, nearest), share };
 }
 
-/** The nearest edge of a polygon: {edge, point, distance, share}; edge i runs from corner i to the next. */
+/** The nearest edge of a polygon: {edge, point, distance, share}. */
 export function nearestEdge(point, polygon) {
-  let best = null;
-  polygon.forEach((corner, edge) => {
-    const found = nearestOnSegment(point, corner, polygon[(edge + 1) % polygon.length]);
-    if (!best || found.distance < best.distance) best = { edge, ...found };
-  });
-  return best;
+  const edges = edgesOf(polygon).map(([a, b], edge) => ({ edge, ...nearestOnSegment(point, a, b) }));
+  return edges.reduce((best, one) => (one.distance < best.distance ? one : best));
 }
 
 /** The first with the least `away`, if that is less than a reach; else null. */
 export const nearest = (all, reach) =>
   all.reduce((best, one) => (one.away < (best?.away ?? reach) ? one : best), null);
-
-export function nearestIndex(point, points) {
-  let best = -1;
-  let least = Infinity;
-  points.forEach((other, k) => {
-    const d = distance(point, other);
-    if (d < least) [best, least] = [k, d];
-  });
-  return { index: best, distance: least };
-}
 
 /** Share of the way along a ray (direction of length 1) at which it leaves a polygon; Infinity if it does not. */
 export function rayLength(start, direction, polygon) {
@@ -189,12 +177,8 @@ export function images(point, { mirrorX, mirrorY, sixfold }) {
   if (mirrorX) all = all.flatMap(([x, y]) => [[x, y], [-x, y]]);
   if (mirrorY) all = all.flatMap(([x, y]) => [[x, y], [x, -y]]);
   if (sixfold) {
-    all = all.flatMap((place) =>
-      Array.from({ length: 6 }, (_, k) => {
-        const [c, s] = [Math.cos((k * Math.PI) / 3), Math.sin((k * Math.PI) / 3)];
-        return [c * place[0] - s * place[1], s * place[0] + c * place[1]];
-      }),
-    );
+    const turns = [0, 60, 120, 180, 240, 300].map(direction);
+    all = all.flatMap(([x, y]) => turns.map(([c, s]) => [c * x - s * y, s * x + c * y]));
   }
   return all.filter((place, k) => all.findIndex((other) => distance(place, other) < 1e-6) === k);
 }

@@ -42,13 +42,8 @@ const $ = (id) => document.getElementById(id);
 
 const store = createStore();
 const studio = { store, opened: 0 };
-const handlers = {};
-studio.connection = new Connection({
-  message: (message) => handlers.message(message),
-  frame: (frame) => handlers.frame(frame),
-  status: (status) => handlers.status(status),
-  blocked: () => handlers.blocked(),
-});
+const handlers = {}; // of the connection, which does not open before they are there
+studio.connection = new Connection(handlers);
 studio.edits = new Edits(store, studio.connection);
 studio.plan = new PlanCanvas($("plan-canvas"), store);
 const needsStars = true;
@@ -166,7 +161,6 @@ const shown = {
   engine: () => store.get("state").engine,
   connected: () => store.get("connection") === "open",
   drawn: () => view?.frames ?? 0,
-  drawMs: () => view?.drawMs ?? 0,
   draw: () => () => view?.draw(),
   opened: () => studio.opened,
   isEditing: () => studio.edits.isOpen,

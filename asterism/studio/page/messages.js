@@ -1,11 +1,12 @@
 // What the page does with the server's messages.
 
 import { holesOf } from "./border.js";
+import { addressOf } from "./dom.js";
 import { date, plainField } from "./format.js";
 import { forgetRefused } from "./panels/fields.js";
 import { openKept } from "./panels/history.js";
 import { announce, toast } from "./panels/toasts.js";
-import { NO_SYMMETRY } from "./store.js";
+import { ofDesign } from "./store.js";
 
 export function listen(studio) {
   const { store, connection, edits } = studio;
@@ -45,20 +46,14 @@ export function listen(studio) {
       if (message.job === "fit") fitted(message);
       const written = { report: "The report is written.", animate: "The animated picture is written." }[message.job];
       if (written && message.files?.length) {
-        const url = `file/${encodeURI(message.files[0].name)}`;
-        toast(written, {
-          action: { text: "Open it", run: () => window.open(url, "_blank", "noopener") },
-        });
+        const open = () => window.open(addressOf(message.files[0].name), "_blank", "noopener");
+        toast(written, { action: { text: "Open it", run: open } });
       }
     },
     problem(message) {
       if (message.kind?.startsWith("file ")) return offerFile(message);
       const shown = showProblem(message);
       store.set({ problem: { ...message, isBlocking: false } });
-      if (message.job) {
-        const { [message.job]: failed, ...jobs } = store.get("jobs");
-        store.set({ jobs });
-      }
       if (!shown) toast(textOf(message), { isBad: message.kind !== "search ended", action: placeAction(message) });
     },
     followed: (message) => toast(`${fileName(message.path)} was changed by another program; it is shown.`),
@@ -74,25 +69,7 @@ export function listen(studio) {
     document.querySelectorAll("dialog[open]").forEach((one) => one.close());
     document.querySelectorAll(".toast").forEach((one) => one.remove());
     studio.view?.reset();
-    store.set({
-      frame: null,
-      beside: null,
-      results: {},
-      history: null,
-      kept: null,
-      problem: null,
-      selection: new Set(),
-      support: null,
-      corner: null,
-      hole: null,
-      under: new Set(),
-      selecting: "new",
-      cursor: null,
-      hover: null,
-      measured: null,
-      sizesOf: "",
-      symmetry: NO_SYMMETRY,
-    });
+    store.set(ofDesign());
   }
 
   /** The fitted design is shown; it is one step that can be undone. */

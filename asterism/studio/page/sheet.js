@@ -1,6 +1,7 @@
 // The plan of a document together with what is being changed right now, before the server has answered.
 
-import { bounds, centroid, clamp, distance, isInside, nearestIndex, nearestOnSegment, rayLength } from "./geometry.js";
+import { bounds, centroid, clamp, difference, direction, distance, edgesOf } from "./geometry.js";
+import { isInside, nearest, nearestOnSegment, rayLength } from "./geometry.js";
 import { QUANTITIES } from "./format.js";
 
 const MIN_ARM_MM = 1; // shorter arms are not printed
@@ -26,17 +27,14 @@ export function sizeTargets(design) {
   const targets = design.stars || !design.rods ? [{ path: "stars", text: "Stars" }] : [];
   if (!design.rods) return targets;
   const { draw = [], motif = [], import: drawings = [] } = design.rods;
+  const lineOf = (list, end) => ({ name }, k) => ({
+    path: `rods.${list}.${k}`,
+    text: name || `Line ${k + 1}${end}`,
+    name: name || `${list}[${k}]`,
+  });
   const lines = [
-    ...draw.map(({ name }, k) => ({
-      path: `rods.draw.${k}`,
-      text: name || `Line ${k + 1}`,
-      name: name || `draw[${k}]`,
-    })),
-    ...motif.map(({ name }, k) => ({
-      path: `rods.motif.${k}`,
-      text: name || `Line ${k + 1} of the motif`,
-      name: name || `motif[${k}]`,
-    })),
+    ...draw.map(lineOf("draw", "")),
+    ...motif.map(lineOf("motif", " of the motif")),
     ...drawings.flatMap(({ file, layers = {} }, k) =>
       Object.keys(layers)
         .filter((layer) => layer && !layer.includes(".")) // dots part the keys of a change
@@ -70,8 +68,6 @@ export function sizeAt(design, path, key) {
 /** The brush with its radius on a sheet: the user's, or that of the sheet. */
 export const brushOn = (sheet, brush) => ({ ...brush, radius: brush.radius ?? sheet?.brushRadius ?? RADII[0] });
 
-const keyOf = (site) => `${site[0]},${site[1]}`;
-
 /** Stars, outline and supports as they are drawn. `local`: {sizes: Map(key -> {length_mm..}), removed: Map(key -> bool),
  * weights, rods, border, outline, holes, pins}. */
 export class Sheet {
@@ -83,61 +79,53 @@ export class Sheet {
     this.outline = local.outline ?? plan.outline_mm;
     this.spacing = plan.spacing_mm;
     this.limits = { ...limits, law: limits.law ?? {} }; // null until the engine has said what the law covers
-    this.printer = plan.printer ?? null;
+    this.printer = plan.printer;
     this.tables = local.pins ?? design.pins ?? [];
-    this.pins = (plan.pins ?? []).map((shown, k) => {
+    this.pins = plan.pins.map((shown, k) => {
       const table = this.tables[k];
       // held pieces of curves come from the server: numbers of edges are not those of pieces
       const follows = local.outline && table && !table.holes && !(table.edges && isCurved(design));
       return follows ? { ...shown, edges: heldEdges(table, this.outline) } : shown;
     });
-    this.directions = armDirections(design.lattice ?? {});
+    const { arms = 3, orientation_deg: turn = 0 } = design.lattice ?? {};
+    this.directions = Array.from({ length: arms }, (_, k) => direction(turn - 90 + (360 * k) / arms));
     this.tipMargin = design.border?.tip_margin_mm ?? TIP_MARGIN_MM;
-    this.holes = local.holes ?? plan.holes_mm ?? [];
-    this.fileRings = plan.hole_rings ?? []; // numbers of rings of the tables of holes, 1 unless they are files
+    this.holes = local.holes ?? plan.holes_mm;
+    this.fileRings = plan.hole_rings; // numbers of rings of the tables of holes, 1 unless they are files
     this.stars = plan.sites.map((entry, row) => this.#star(entry, row));
-    this.rods = local.rods ?? plan.rods ?? [];
+    this.rods = local.rods ?? plan.rods;
     this.byKey = new Map(this.stars.map((star) => [star.key, star]));
-    this.box = bounds(this.outline.concat(this.outline.length ? [] : [[0, 0]]));
+    this.box = bounds(this.outline);
     this.centre = centroid(this.outline);
   }
 
-  #star(entry, row) {
-    const key = keyOf(entry.site);
-    const change = this.local.sizes.get(key);
-    const removal = this.local.removed.get(key);
-    const sizes = entry.sizes_mm.slice();
-    for (const { key: field, column } of Object.values(QUANTITIES)) {
-      if (change?.[field] !== undefined) sizes[column] = change[field];
-    }
-    const weight = this.local.weights.has(key) ? (this.local.weights.get(key) ?? 1) : (entry.weight ?? 1);
+  #star({ site, at_mm: at, ...entry }, row) {
+    const { local, outline, holes } = this;
+    const key = site.join(",");
+    const [change, removal] = [local.sizes.get(key), local.removed.get(key)];
+    const sizes = Object.values(QUANTITIES).map(({ key: field, column }) => change?.[field] ?? entry.sizes_mm[column]);
     const removed = removal ?? entry.removed;
-    const isReshaped = Boolean(this.local.outline || this.local.holes);
+    const isReset = local.reset.has(key);
+    const isReshaped = Boolean(local.outline || local.holes);
     const isChanged = change !== undefined || removal !== undefined || isReshaped;
-    const star = {
+    const arms = removed ? [] : isChanged ? this.#arms(at, sizes[0]) : entry.arms;
+    const isOn = () => isInside(at, outline) && !holes.some((hole) => isInside(at, hole));
+    const isShort = ([from, to]) => distance(from, to) < sizes[0] - CUT_MM;
+    return {
       row,
       key,
-      site: entry.site,
-      at: entry.at_mm,
-      removed,
-      painted: entry.painted || change !== undefined,
+      site,
+      at,
       sizes,
-      weight,
+      removed,
+      isReset,
+      arms,
+      painted: !isReset && (entry.painted || change !== undefined),
+      weight: local.weights.has(key) ? (local.weights.get(key) ?? 1) : entry.weight,
+      isPrinted: arms.length > 0,
+      isOffSheet: isReshaped && !isOn(),
+      isCut: !removed && sizes[0] >= MIN_ARM_MM && (arms.length < this.directions.length || arms.some(isShort)),
     };
-    star.isReset = this.local.reset.has(key);
-    if (star.isReset) star.painted = false;
-    if (isChanged) star.arms = removed ? [] : this.#arms(star.at, sizes[0]);
-    else star.arms = removed ? [] : (entry.arms ?? this.#arms(star.at, sizes[0]));
-    star.isPrinted = star.arms.length > 0;
-    star.isOffSheet = isReshaped
-      ? !isInside(star.at, this.outline) || this.holes.some((hole) => isInside(star.at, hole))
-      : entry.on_sheet === false;
-    const reach = star.arms.map(([from, to]) => distance(from, to));
-    star.isCut =
-      !removed &&
-      sizes[0] >= MIN_ARM_MM &&
-      (reach.length < this.directions.length || Math.min(...reach) < sizes[0] - CUT_MM);
-    return star;
   }
 
   #arms(at, length) {
@@ -201,23 +189,17 @@ export class Sheet {
 
   /** Path of the line or layer whose rod is at a place, or null. */
   rodTargetAt(point, within) {
-    const reach = (rod) =>
-      rod.points_mm.slice(1).reduce((least, end, k) => {
-        const { distance: away } = nearestOnSegment(point, rod.points_mm[k], end);
-        return Math.min(least, away - Math.max(...rod.width_mm) / 2);
-      }, Infinity);
-    const { index, distance: away } = leastOf(this.rods.map(reach));
-    if (index < 0 || away > within) return null;
-    const named = sizeTargets(this.design).filter(({ name }) => name === this.rods[index].name);
-    return named.length === 1 ? named[0].path : null; // lines of one name are told apart in the list only
+    const awayFrom = ({ points_mm: points, width_mm: width }) => {
+      const ways = points.slice(1).map((end, k) => nearestOnSegment(point, points[k], end).distance);
+      return Math.min(...ways) - Math.max(...width) / 2;
+    };
+    const rod = nearest(this.rods.map((one) => ({ ...one, away: awayFrom(one) })), within);
+    const named = sizeTargets(this.design).filter(({ name }) => name === rod?.name);
+    return rod && named.length === 1 ? named[0].path : null; // lines of one name are told apart in the list only
   }
 
   starAt(point, within = this.spacing * 0.6) {
-    const { index, distance: away } = nearestIndex(
-      point,
-      this.stars.map((star) => star.at),
-    );
-    return index >= 0 && away <= within ? this.stars[index] : null;
+    return nearest(this.stars.map((star) => ({ star, away: distance(point, star.at) })), within)?.star ?? null;
   }
 
   neighbours(star) {
@@ -226,11 +208,7 @@ export class Sheet {
 
   /** Number of the ring of stars around the middle star to which a star belongs. */
   ring(star) {
-    const { index } = nearestIndex(
-      this.centre,
-      this.stars.map((other) => other.at),
-    );
-    const [i, j] = [0, 1].map((k) => star.site[k] - this.stars[index].site[k]);
+    const [i, j] = difference(star.site, this.starAt(this.centre, Infinity).site);
     if ((this.design.lattice?.kind ?? "triangular") !== "triangular") return Math.max(Math.abs(i), Math.abs(j));
     return i * j >= 0 ? Math.abs(i + j) : Math.max(Math.abs(i), Math.abs(j));
   }
@@ -240,30 +218,16 @@ export class Sheet {
   }
 }
 
-function leastOf(values) {
-  const distance = Math.min(Infinity, ...values);
-  return { index: values.indexOf(distance), distance };
-}
-
 /** Whether edges of the outline are curves of many pieces. */
 const isCurved = ({ border }) => Boolean(border?.bulge_mm || border?.spline_mm);
 
 /** Edges that a table holds while the outline is dragged. */
 function heldEdges(table, outline) {
-  const numbers = table.where === "border" ? outline.map((_, k) => k) : (table.edges ?? []);
-  return numbers.filter((k) => outline[k]).map((k) => [outline[k], outline[(k + 1) % outline.length]]);
+  const edges = edgesOf(outline);
+  return table.where === "border" ? edges : (table.edges ?? []).map((k) => edges[k]).filter(Boolean);
 }
 
 export function emptyLocal() {
   const drawn = { rods: null, border: null, outline: null, holes: null, pins: null };
   return { sizes: new Map(), removed: new Map(), reset: new Set(), weights: new Map(), ...drawn };
-}
-
-function armDirections(lattice) {
-  const count = lattice.arms ?? 3;
-  const turn = ((lattice.orientation_deg ?? 0) * Math.PI) / 180;
-  return Array.from({ length: count }, (_, k) => {
-    const angle = turn - Math.PI / 2 + (2 * Math.PI * k) / count;
-    return [Math.cos(angle), Math.sin(angle)];
-  });
 }

@@ -40,23 +40,44 @@ export class Store {
   };
 }
 
-export const NO_SYMMETRY = { mirrorX: false, mirrorY: false, sixfold: false };
+/** What a page remembers from visit to visit. */
+const SETTINGS = {
+  brush: { quantity: "length", mode: "set", radius: null, strength: 0.5, target: 9, amount: 1 },
+  weightBrush: { mode: "paint", radius: null, strength: 0.5, weight: 5 }, // radii: null follows the sheet, see sheet.js
+  inLaw: true,
+  snap: true,
+  grid: true,
+  planColour: "none",
+  viewColour: "none",
+  showArms: true,
+  showBumps: true,
+  showTarget: true,
+  orthographic: false,
+  theme: "auto",
+  planShare: 50,
+};
 
-const REMEMBERED = [
-  "brush",
-  "weightBrush",
-  "snap",
-  "grid",
-  "planColour",
-  "viewColour",
-  "theme",
-  "planShare",
-  "showArms",
-  "showBumps",
-  "showTarget",
-  "orthographic",
-  "inLaw",
-];
+/** What is said, chosen, found and begun for a design, before anything is. */
+export const ofDesign = () => ({
+  frame: null, // header of the shape that is drawn
+  beside: null, // a kept shape beside the shown one: {shape, name}
+  results: {}, // results by job
+  history: null, // earlier states, as the server listed them
+  kept: null, // unsaved work of other sessions, as the server listed it
+  problem: null,
+  selection: new Set(),
+  selecting: "new", // what a click or a lasso does with the stars: new | more | less
+  hover: null,
+  under: new Set(), // stars under a brush on the sheet in space
+  cursor: null, // star of the keyboard
+  support: null, // selected needle: {table, point}
+  corner: null, // selected corner of the outline
+  hole: null, // selected hole
+  measured: null, // by the ruler
+  sizesOf: "", // path of the rods that get sizes; "" for stars or all rods
+  symmetry: { mirrorX: false, mirrorY: false, sixfold: false },
+});
+
 const MEMORY = "asterism-studio";
 
 function remembered() {
@@ -68,59 +89,33 @@ function remembered() {
 }
 
 export function createStore() {
-  const defaults = {
+  const store = new Store({
     connection: "connecting", // connecting | open | lost
     document: null,
     sheet: null, // the document's plan with the sizes that are being painted, see sheet.js
     state: { engine: "starting", numbers: {}, warnings: [], forms: [], slots: {} },
     gallery: null,
     startOpen: false,
-    frame: null, // header of the shape that is drawn
     badge: { kind: "computing", words: "Connecting" }, // the state of the shape, see badge.js
     jobs: {}, // progress by job
-    results: {}, // results by job
-    history: null, // earlier states, as the server listed them
-    problem: null,
     tool: "brush",
     page: "tool", // tool | sheet | shape
-    brush: { quantity: "length", mode: "set", radius: null, strength: 0.5, target: 9, amount: 1 },
-    weightBrush: { mode: "paint", radius: null, strength: 0.5, weight: 5 }, // radii: null follows the sheet, see sheet.js
-    inLaw: true,
-    symmetry: NO_SYMMETRY,
-    snap: true,
-    grid: true,
     printArea: false,
-    selection: new Set(),
-    selecting: "new", // what a click or a lasso does with the stars: new | more | less
     copied: null, // sizes of a star, by quantity
-    hover: null,
-    under: new Set(), // stars under a brush on the sheet in space
     paintOnSheet: false, // whether a drag on the sheet in space paints
-    cursor: null, // star of the keyboard
-    support: null, // selected needle: {table, point}
-    corner: null, // selected corner of the outline
-    hole: null, // selected hole
     sizesKind: "radial", // how sizes run over the sheet
-    sizesOf: "", // path of the rods that get sizes; "" for stars or all rods
-    planColour: "none",
-    viewColour: "none",
-    showArms: true,
-    showBumps: true,
-    showTarget: true,
-    orthographic: false,
-    beside: null, // a kept shape beside the shown one: {shape, name}
     shown: "shape", // shape | preview | distance: the last two beside an exact shape
-    theme: "auto",
-    planShare: 50,
-  };
-  const store = new Store({ ...defaults, ...pick(remembered(), REMEMBERED, defaults) });
+    ...ofDesign(),
+    ...SETTINGS,
+    ...settings(remembered()),
+  });
   store.on(["state", "frame", "connection", "document"], (values) => {
     const badge = badgeOf(values);
     if (JSON.stringify(badge) !== JSON.stringify(values.badge)) store.set({ badge });
   });
-  store.on(REMEMBERED, (values) => {
+  store.on(Object.keys(SETTINGS), (values) => {
     try {
-      localStorage.setItem(MEMORY, JSON.stringify(pick(values, REMEMBERED, defaults)));
+      localStorage.setItem(MEMORY, JSON.stringify(settings(values)));
     } catch {
       // a browser without storage forgets the settings
     }
@@ -128,12 +123,9 @@ export function createStore() {
   return store;
 }
 
-function pick(from, keys, like) {
-  const kept = {};
-  for (const key of keys) {
-    if (key in from && typeof from[key] === typeof like[key]) {
-      kept[key] = typeof like[key] === "object" ? { ...like[key], ...from[key] } : from[key];
-    }
-  }
-  return kept;
+/** The settings among some values; another version of the page may have kept them in another form. */
+function settings(values) {
+  const known = Object.entries(SETTINGS).filter(([key, usual]) => typeof values[key] === typeof usual);
+  const whole = (usual, value) => (typeof usual === "object" ? { ...usual, ...value } : value);
+  return Object.fromEntries(known.map(([key, usual]) => [key, whole(usual, values[key])]));
 }

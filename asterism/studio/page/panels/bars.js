@@ -54,6 +54,7 @@ export function buildViewBar(element, studio) {
       text: names[value]?.() ?? name,
       disabled: value === "target" && !hasTarget(),
     }));
+  const partToggle = ([key, { name, label = name, ...rest }]) => toggle(store, key, { label, ...rest });
   append(
     element,
     follow(store.on, ["frame", "shown", "state", "viewColour", ...Object.keys(SHOWN_PARTS)], [
@@ -67,17 +68,7 @@ export function buildViewBar(element, studio) {
       }),
       h("span.gap"),
       viewMenu(studio),
-      h("span.roomy", [
-        toggle(store, "paintOnSheet", {
-          icon: "brush",
-          label: "Paint on the sheet; drag beside it to turn",
-          keys: "D",
-          testid: "paint-on-sheet",
-        }),
-        toggle(store, "orthographic", { icon: "ortho", label: "Orthographic", keys: "O", testid: "ortho" }),
-        toggle(store, "showArms", { icon: "arms", label: "Arms", testid: "show-arms" }),
-        toggle(store, "showBumps", { icon: "bumps", label: "Bumps", testid: "show-bumps" }),
-      ]),
+      h("span.roomy", Object.entries(SHOWN_PARTS).map(partToggle)),
       button({ icon: "fit", label: "Fit the view", keys: "F", testid: "fit-view", onclick: () => view.fit() }),
       button({ icon: "camera", label: "Save a picture", testid: "picture", onclick: () => openPicture(studio) }),
     ]),
@@ -88,12 +79,18 @@ export function buildViewBar(element, studio) {
   });
 }
 
-const SHOWN_PARTS = { paintOnSheet: "Paint on the sheet", orthographic: "Orthographic", showArms: "Arms", showBumps: "Bumps" };
+const ABOUT_PAINTING = "Paint on the sheet; drag beside it to turn";
+const SHOWN_PARTS = {
+  paintOnSheet: { name: "Paint on the sheet", label: ABOUT_PAINTING, icon: "brush", keys: "D", testid: "paint-on-sheet" },
+  orthographic: { name: "Orthographic", icon: "ortho", keys: "O", testid: "ortho" },
+  showArms: { name: "Arms", icon: "arms", testid: "show-arms" },
+  showBumps: { name: "Bumps", icon: "bumps", testid: "show-bumps" },
+};
 
 /** Named views, and the parts of the picture, whose buttons a narrow bar has no room for. */
 function viewMenu({ store, view }) {
   const named = Object.entries(VIEWS).map(([value, { name }], k) => h("option", { value }, `${name} (${k + 1})`));
-  const parts = Object.entries(SHOWN_PARTS).map(([value, name]) =>
+  const parts = Object.entries(SHOWN_PARTS).map(([value, { name }]) =>
     h("option", { value }, () => (store.get(value) ? `✓ ${name}` : name)),
   );
   const onchange = ({ target }) => {

@@ -34,7 +34,7 @@ export const forgetRefused = () => refused.forEach((forget) => forget());
 /**
  * A number with its unit. `onchange(value, isFinal)`: while a slider is dragged isFinal is false. `value`, `limits`
  * (a function for [min, max]), `placeholder`, `disabled` and `hidden` may follow the state.
- * Returns {element, input, set(value), limits(min, max)}.
+ * Returns {element, input, set(value)}.
  */
 export function numberField({
   label,
@@ -78,22 +78,15 @@ export function numberField({
     show(null);
   }
   /** Writes a number into the field and the slider. */
-  function write(number) {
+  function write(number, isTyping = false) {
     present = number;
-    input.value = text(number);
+    if (!isTyping) input.value = text(number);
     if (range) range.value = number;
   }
   /** Shows a number that comes from elsewhere; what is typed right now stays, with its caret. */
   function set(number) {
-    const isTyping = document.activeElement === input;
-    present = number;
-    if (!isTyping) input.value = text(number);
-    if (range) range.value = number;
+    write(number, document.activeElement === input);
     show(null);
-  }
-  function setLimits(low, high) {
-    limits = [low, high];
-    if (range) Object.assign(range, { min: low, max: high });
   }
   const mistake = () => mistakeOf(input.value, { unit, limits, whole });
   function accept() {
@@ -137,19 +130,15 @@ export function numberField({
   });
   range?.addEventListener("change", () => onchange(Number(range.value), true));
   live(element, () => {
-    if (limitsNow) setLimits(...limitsNow());
+    if (limitsNow) limits = limitsNow();
+    if (limitsNow && range) [range.min, range.max] = limits;
     if (typeof value !== "function") return;
     const now = value();
     // what was refused stays, with its fault, until the number is another one
     if (now !== present || !element.classList.contains("bad")) set(now);
   });
   if (typeof value !== "function") set(value);
-  return {
-    element,
-    input,
-    set,
-    limits: setLimits,
-  };
+  return { element, input, set };
 }
 
 // fields in which something is typed that is not accepted yet

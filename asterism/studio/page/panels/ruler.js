@@ -5,7 +5,7 @@ import { mm } from "../format.js";
 import { stretchOf } from "../sheet.js";
 
 export function rulerPanel({ store }, { on }) {
-  const measured = () => store.get("measured") ?? null;
+  const measured = () => store.get("measured");
   return follow(on, ["measured"], [
     section("Distance"),
     part(null, measured, (known) => {

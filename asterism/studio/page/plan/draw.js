@@ -3,7 +3,7 @@
 import { ramp, rampDomain } from "../view/colours.js";
 import { QUANTITIES, fixed } from "../format.js";
 import { isDark } from "../dom.js";
-import { bounds, clamp, nice } from "../geometry.js";
+import { bounds, clamp, difference, distance, nice, sum } from "../geometry.js";
 import { membersOf, pointsOf, targetsOf } from "../supports.js";
 import { disc, draw, label, polyline, segments } from "./pen.js";
 
@@ -86,7 +86,7 @@ function drawStars(paint) {
       drawVacant(paint, star, x, y);
       continue;
     }
-    if (sheet.isOutsideLaw(star)) drawOutsideLaw(paint, star);
+    if (sheet.isOutsideLaw(star)) hatch(paint, [x, y], 0.46 * sheet.spacing * plan.scale);
     segments(context, star.arms.map((arm) => arm.map((end) => plan.toScreen(end))), {
       colour: entry ? sizeColour((star.sizes[entry.column] - domain[0]) / (domain[1] - domain[0])) : ink,
       alpha: star.isReset ? 0.45 : 1,
@@ -129,11 +129,6 @@ function drawVacant({ context, plan, colour }, star, x, y) {
   }
 }
 
-/** Hatching: this star's size is outside the range for which the law was calibrated. */
-function drawOutsideLaw(paint, star) {
-  hatch(paint, paint.plan.toScreen(star.at), 0.46 * paint.sheet.spacing * paint.plan.scale);
-}
-
 /** What the hatching means, where there is any. */
 function drawHatchLegend(paint) {
   const { plan, sheet, store } = paint;
@@ -143,6 +138,7 @@ function drawHatchLegend(paint) {
   label(paint, "outside the calibrated range", [x + 14, y + 4], "left", "warn");
 }
 
+/** Hatching: a star's size is outside the range for which the law was calibrated. */
 function hatch({ context, colour }, [x, y], radius) {
   context.save();
   disc(context, [x, y], radius);
@@ -158,9 +154,7 @@ function drawMarks(paint) {
   const { context, plan, sheet, store, colour } = paint;
   const radius = Math.max(6, 0.5 * sheet.spacing * plan.scale - 2);
   const accent = colour("accent");
-  const ring = (star, width, dash) => {
-    disc(context, plan.toScreen(star.at), radius, { colour: accent, width, dash });
-  };
+  const ring = (star, width, dash) => disc(context, plan.toScreen(star.at), radius, { colour: accent, width, dash });
   const isQuiet = !["select", "brush"].includes(store.get("tool"));
   for (const key of store.get("selection")) {
     const star = sheet.byKey.get(key);
@@ -291,15 +285,14 @@ function drawTarget({ context, colour }, from, to, isChosen) {
 function drawHeldEdge(paint, a, b) {
   const { context, plan, colour } = paint;
   const [from, to] = [plan.toScreen(a), plan.toScreen(b)];
-  const length = Math.hypot(to[0] - from[0], to[1] - from[1]);
+  const [length, [dx, dy]] = [distance(from, to), difference(to, from)];
   if (length < 1) return;
-  const along = [(to[0] - from[0]) / length, (to[1] - from[1]) / length];
-  const out = [-along[1], along[0]];
+  const [ux, uy] = [dx / length, dy / length];
   segments(context, [[from, to]], { colour: colour("needle"), width: 2.5 });
   const barbs = [];
   for (let k = 4; k < length; k += 8) {
-    const [x, y] = [from[0] + k * along[0], from[1] + k * along[1]];
-    barbs.push([[x, y], [x + 5 * (out[0] - along[0] * 0.7), y + 5 * (out[1] - along[1] * 0.7)]]);
+    const foot = [from[0] + k * ux, from[1] + k * uy];
+    barbs.push([foot, sum(foot, [-5 * (uy + 0.7 * ux), 5 * (ux - 0.7 * uy)])]);
   }
   segments(context, barbs, { colour: colour("needle") });
 }

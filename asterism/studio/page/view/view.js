@@ -37,7 +37,6 @@ export class View {
   meshes = new Map();
   shape = null; // arrays of the shown shape
   frames = 0;
-  drawMs = 0;
   target = null; // the ghost beside the sheet: {surface, look}
   partner = null; // the other view, if two shapes are side by side
   #isDirty = false;
@@ -359,10 +358,9 @@ export class View {
     const light = share < 1 ? 1 : 2;
     if (this.#light < light) renderer.shade(surfaces, this.#box, share);
     this.#light = Math.max(light, this.#light);
-    const start = share === 1 ? renderer.finish() : performance.now();
+    const start = share === 1 && renderer.finish();
     renderer.draw({ surfaces, camera: this.camera.frame(pixels[0] / pixels[1]), width, height, isSoft: share === 1 });
     if (share === 1) this.#fullMs = renderer.finish() - start; // without the maps: these follow a new shape only
-    this.drawMs = performance.now() - start;
     this.frames += 1;
     this.#confirm();
   }

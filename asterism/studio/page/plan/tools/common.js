@@ -71,10 +71,6 @@ export function snapped(event, plan, { points = [], lines = [], alignTo = [] } =
   return { at: roundPoint(at), kind: "grid" };
 }
 
-export function edgesOf(polygon) {
-  return polygon.map((corner, k) => [corner, polygon[(k + 1) % polygon.length]]);
-}
-
 /** Keys of stars within a radius of any of the places, with the distance to the nearest. */
 export function starsWithin(sheet, places, radius) {
   const found = [];

@@ -1,6 +1,6 @@
 // Gradients: drag a line. Linear runs along it; radial runs from its start outwards. They become the design file's own profiles.
 
-import { distance, roundPoint, round } from "../../geometry.js";
+import { clamp, difference, distance, dot, round, roundPoint } from "../../geometry.js";
 import { QUANTITIES, fixed } from "../../format.js";
 import { sizeAt, sizeTarget, sizeTargets } from "../../sheet.js";
 import { circle, disc, label, polyline } from "../pen.js";
@@ -97,9 +97,7 @@ export class GradientTool extends PlanTool {
     if (this.#begun && distance(this.#begun, at) > 1) {
       this.#line = [this.#begun, at];
       this.#begun = null;
-      this.edits.begin();
-      this.apply();
-      this.edits.end();
+      this.edits.once(() => this.apply());
     } else {
       this.#begun = at;
       this.#line = [at, at];
@@ -131,15 +129,11 @@ export class GradientTool extends PlanTool {
   /** Painted stars keep their sizes; the others follow the profile. */
   #show(start, end, over) {
     const { kind, settings: { quantity, from, to, power } } = this;
-    const along = [(end[0] - start[0]) / over, (end[1] - start[1]) / over];
-    const values = new Map();
-    for (const star of this.sheet.stars) {
-      const off = [star.at[0] - start[0], star.at[1] - start[1]];
-      const way = kind === "radial" ? Math.hypot(...off) : off[0] * along[0] + off[1] * along[1];
-      const share = Math.min(Math.max(way / over, 0), 1) ** power;
-      if (!star.removed) values.set(star.key, from + share * (to - from));
-    }
-    this.edits.preview(quantity, values);
+    const along = difference(end, start);
+    const wayTo = (at) => (kind === "radial" ? distance(at, start) : dot(difference(at, start), along) / over);
+    const valueAt = (at) => from + clamp(wayTo(at) / over, 0, 1) ** power * (to - from);
+    const stars = this.sheet.stars.filter(({ removed }) => !removed);
+    this.edits.preview(quantity, new Map(stars.map(({ key, at }) => [key, valueAt(at)])));
   }
 
   /** A line along the rods that get the sizes, if that is not all of them. */

@@ -2,7 +2,7 @@
 // chooses several, which move together; so do the needles of a group.
 
 import { isDelete } from "../../dom.js";
-import { distance, nearest } from "../../geometry.js";
+import { distance, edgesOf, nearest } from "../../geometry.js";
 import { fixed } from "../../format.js";
 import {
   isChosen,
@@ -19,7 +19,7 @@ import {
   withoutNeedle,
 } from "../../supports.js";
 import { disc } from "../pen.js";
-import { PlanTool, edgesOf, snapped } from "./common.js";
+import { PlanTool, snapped } from "./common.js";
 
 const GRIP_PX = 12;
 const LIFT_STEP_MM = 1;

@@ -21,9 +21,13 @@ export class RulerTool extends PlanTool {
 
   move(event) {
     if (!this.#isDown) return;
-    this.#line = [this.#line[0], this.#snap(event)];
-    this.store.set({ measured: { printed: distance(...this.#line), line: this.#line } });
+    this.#measure(this.#snap(event));
     this.plan.invalidate();
+  }
+
+  #measure(end) {
+    this.#line = [this.#line[0], end];
+    this.store.set({ measured: { printed: distance(...this.#line), line: this.#line } });
   }
 
   up() {
@@ -34,9 +38,9 @@ export class RulerTool extends PlanTool {
   key(event) {
     const { star } = this;
     if (event.key !== "Enter" || !star) return false;
-    this.#line = this.#isDown ? [this.#line[0], star.at] : [star.at, star.at];
+    if (this.#isDown) this.#measure(star.at);
+    else this.#line = [star.at, star.at];
     this.#isDown = !this.#isDown;
-    if (!this.#isDown) this.store.set({ measured: { printed: distance(...this.#line), line: this.#line } });
     this.plan.invalidate();
     return true;
   }
