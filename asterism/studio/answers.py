@@ -47,11 +47,7 @@ SUMMARY_KEYS = (
     "contraction",
     "roll_radius_mm",
     "is_minimum",
-    "law_in_range",
-    "stars_outside_law",
     "side",
-    "stars",
-    "energy_n_mm",
 )
 
 
@@ -80,6 +76,6 @@ def exact_summary(shape: Shape) -> ShapeSummary:
 
 def blank_summary(seq: int) -> ShapeSummary:
     """The same of a sheet without stars."""
-    numbers = {**dict.fromkeys(SUMMARY_KEYS), "height_mm": 0.0, "is_minimum": True, "stars": 0}
+    numbers = {**dict.fromkeys(SUMMARY_KEYS), "height_mm": 0.0, "is_minimum": True}
     text = "the sheet has no stars: it is flat fabric, shown as it is when it is released, without pins"
     return ShapeSummary(seq, numbers, (Notice(text),))

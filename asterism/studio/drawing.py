@@ -20,11 +20,15 @@ from asterism.pattern.drawing.records import MM_OF_UNITS, DrawingError, FileLine
 from asterism.pattern.layout.pin_placement import PIN_TOLERANCE_MM
 from asterism.studio.requests import LayerUse, PlaceDrawing
 
-MAX_CORNERS = 1000  # of an outline
-
 
 class UploadError(Error, ValueError):
     """A file that cannot be used; the message is one line."""
+
+
+def check_corners(count: int) -> None:
+    """Raise UploadError if an outline has too many corners."""
+    if count > 1000:
+        raise UploadError(f"the outline has {count} corners; at most 1000 are allowed")
 
 
 def drawing_data(drawing: Drawing, number: int) -> dict[str, Any]:
@@ -101,19 +105,17 @@ def _rings(lines: Iterable[FileLine]) -> list[Floats]:
 
 def _layer_data(name: str, lines: list[FileLine], tolerance: float) -> dict[str, Any]:
     widths = [line.width_mm for line in lines if line.width_mm is not None]
-    shown = shapely.get_coordinates
-    pictured = [shown(shapely.LineString(line.points).simplify(tolerance)).round(3).tolist() for line in lines]
+    simple = shapely.simplify([shapely.LineString(line.points) for line in lines], tolerance)
     return {
         "name": name,
         "count": len(lines),
         "widths_mm": [min(widths), max(widths)] if len(widths) == len(lines) else None,
         "has_rings": bool(_rings(lines)),
         "is_one_ring": [line.is_closed for line in lines] == [True],
-        "lines": pictured,
+        "lines": [shapely.get_coordinates(line).round(3).tolist() for line in simple],
     }
 
 
-_DIGITS = 6
 # keys of the border that give an outline
 OUTLINE_KEYS = (*OUTLINES, "bulge_mm", "file", "layer", "origin", "units")
 
@@ -177,10 +179,8 @@ def _with_rods(
     if choice.keep:
         rods = dict(table.get("rods", {}))
     else:
-        # keys of `[rods]` that a new pattern keeps
-        rods = {
-            key: value for key, value in table.get("rods", {}).items() if key in ("rounding", "curve_mm", "join_mm")
-        }
+        kept = ("rounding", "curve_mm", "join_mm")  # by a new pattern
+        rods = {key: value for key, value in table.get("rods", {}).items() if key in kept}
         for key in ("stars", "fit"):
             shown.pop(key, None)
         for key in ("thickness_mm", "width_mm"):
@@ -208,9 +208,8 @@ def _corners(ring: Floats) -> list[list[float]]:
     """The corners of a ring, with as few as a print can show."""
     closed = shapely.LineString(np.concatenate([ring, ring[:1]])).simplify(OUTLINE_CURVE_MM)
     corners = shapely.get_coordinates(closed)[:-1]
-    if len(corners) > MAX_CORNERS:
-        raise UploadError(f"the outline has {len(corners)} corners; at most {MAX_CORNERS} are allowed")
-    listed: list[list[float]] = corners.round(_DIGITS).tolist()
+    check_corners(len(corners))
+    listed: list[list[float]] = corners.round(6).tolist()
     return listed
 
 
@@ -219,7 +218,7 @@ def _kept_border(table: Mapping[str, Any], outline: Floats) -> dict[str, Any]:
     border = dict(table["border"])
     if ("rings" in border and "stars" not in table) or "rods" in border:
         border = {key: value for key, value in border.items() if key not in OUTLINE_KEYS}
-        border["polygon_mm"] = outline.round(_DIGITS).tolist()
+        border["polygon_mm"] = outline.round(6).tolist()
     return border
 
 

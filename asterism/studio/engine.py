@@ -36,7 +36,7 @@ from asterism.previews.solve import EDIT_START, FORM_START, other_forms
 from asterism.process.compiling import clock_without_compiling, signs_while_compiling
 from asterism.studio.answers import UNEXPECTED, blank_summary, engine_problem, rest_summary
 from asterism.studio.engine_frames import EQUILIBRIUM, EngineFrames
-from asterism.studio.inbox import MAX_DRAGGED_SEARCH_S, SIGN_EVERY_S, Cancelled, Inbox, SearchBounds, Superseded
+from asterism.studio.inbox import SIGN_EVERY_S, Cancelled, Inbox, SearchBounds, Superseded
 from asterism.studio.messages import (
     Busy,
     Edit,
@@ -51,8 +51,6 @@ from asterism.studio.messages import (
     StudioProblem,
 )
 from asterism.studio.sheet_frames import blank_frame, printed_frame
-
-REST_S = 0.3  # without a message, after which the fine frame and the exact model follow
 
 
 class Engine:
@@ -83,7 +81,8 @@ class Engine:
     def serve(self) -> None:
         """Answer messages until there are no more."""
         while not self._inbox.is_closed:
-            message = self._inbox.take(None if self._is_resting else REST_S)
+            # after so many seconds without a message the fine frame and the exact model follow
+            message = self._inbox.take(None if self._is_resting else 0.3)
             if message is not None:
                 self.answer(message)
             elif not self._inbox.is_closed:
@@ -93,20 +92,19 @@ class Engine:
         """Show an edit, another side or another form; with other parts; or lay the target on the shape."""
         # parts that were asked for before an edit may come after it: what follows is still about the edit
         self.bounds.begin(max(message.seq, self.bounds.seq))
-        if isinstance(message, Parts):
-            self._try(lambda: self._show_again(message))
-            return
-        if isinstance(message, FitTarget):
-            self.bounds.wait()  # one long step
-            self._try(self._lay_target)
-            return
-        self._is_resting = False
-        if isinstance(message, Edit):
-            self._try(lambda: self._edit(message))
-        elif isinstance(message, Flip):
-            self._try(lambda: self._search(self._flip))
-        elif isinstance(message, ShowForm):
-            self._try(lambda: self._search(lambda: self._show_form(message.index)))
+        self._is_resting &= isinstance(message, Parts | FitTarget)  # these show no other shape
+        match message:
+            case Parts():
+                self._try(lambda: self._show_again(message))
+            case FitTarget():
+                self.bounds.wait()  # one long step
+                self._try(self._lay_target)
+            case Edit():
+                self._try(lambda: self._edit(message))
+            case Flip():
+                self._try(lambda: self._search(self._flip))
+            case ShowForm():
+                self._try(lambda: self._search(lambda: self._show_form(message.index)))
 
     def rest(self) -> None:
         """After a while without edits: a fine frame, and all that is known about the shape."""
@@ -125,7 +123,7 @@ class Engine:
             self.bounds.end(is_superseded=True)
         except Cancelled:
             self._is_resting = True
-            self._send(StudioProblem(seq, "cancelled", "the computation was cancelled"))
+            self._refuse("cancelled", "the computation was cancelled")
         except Exception as error:
             self._is_resting = True
             problem = engine_problem(seq, error, self._design)
@@ -159,7 +157,7 @@ class Engine:
         parsed = self._design if is_known else None
         self._known = edit
         if edit.is_dragging and self._preview is not None:
-            self.bounds.longest_s = MAX_DRAGGED_SEARCH_S
+            self.bounds.longest_s = 2.5
         design = self._parsed(edit, parsed)
         try:
             self._tell_limits(design)
@@ -248,29 +246,30 @@ class Engine:
         try:
             work()
         except Cancelled:
-            self._send(StudioProblem(self.bounds.seq, "search ended", "the search was cancelled; the form stays"))
+            self._refuse("search ended", "the search was cancelled; the form stays")
         except SearchLimitError:
-            text = f"no other form within {self.bounds.longest_s:g} s; the form stays"
-            self._send(StudioProblem(self.bounds.seq, "search ended", text))
+            self._refuse("search ended", f"no other form within {self.bounds.longest_s:g} s; the form stays")
+
+    def _refuse(self, kind: str, text: str) -> None:
+        self._send(StudioProblem(self.bounds.seq, kind, text))
 
     def _flip(self) -> None:
         if self._preview is None:
-            self._send(StudioProblem(self.bounds.seq, "no other side", "there is no shape to flip"))
-            return
+            return self._refuse("no other side", "there is no shape to flip")
         before = self._preview.state
         side = self._preview.flip()
         if self._preview.state is before:
-            text = f"the sheet has no form but the one with its edges {side}"
-            self._send(StudioProblem(self.bounds.seq, "no other side", text))
-            return
-        self._owes_search = False
-        self._show(EQUILIBRIUM, None)
+            return self._refuse("no other side", f"the sheet has no form but the one with its edges {side}")
+        self._show_found()
 
     def _show_form(self, index: int) -> None:
         if self._preview is None or not 0 <= index < len(self._preview.forms):
-            self._send(StudioProblem(self.bounds.seq, "no such form", "the list of forms has changed"))
-            return
+            return self._refuse("no such form", "the list of forms has changed")
         self._preview.show_form(index)
+        self._show_found()
+
+    def _show_found(self) -> None:
+        """Send the form that a search has found: it is the lowest, or it was chosen."""
         self._owes_search = False
         self._show(EQUILIBRIUM, None)
 
@@ -309,9 +308,9 @@ class Engine:
 
     def _lay_target(self) -> None:
         """Send the motion that lays the target on the last shape."""
-        seq = self.bounds.seq
-        pose = None if self._preview is None else self._frames.pose(seq)
-        self._send(pose or StudioProblem(seq, "no target", "there is no target or no shape to lay it on"))
+        if self._preview is not None and (pose := self._frames.pose(self.bounds.seq)) is not None:
+            return self._send(pose)
+        self._refuse("no target", "there is no target or no shape to lay it on")
 
     def _show_at_rest(self) -> None:
         preview, known, seq = self._preview, self._known, self.bounds.seq
@@ -325,8 +324,7 @@ class Engine:
             return  # a linear response
         if self._owes_search:
             preview.search_again()
-            self._owes_search = False
-            self._show(EQUILIBRIUM, None)
+            self._show_found()
         shape = preview.shape()
         if self._inbox.has_waiting:
             raise Superseded

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from contextlib import suppress
 from functools import cache, lru_cache
+from itertools import count
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +17,6 @@ from asterism.pattern.layout.build import layout
 from asterism.studio.autosave import autosaves, design_name
 
 PICTURES = Path(__file__).parent / "gallery"
-NEW_SHEET = {"name": "sheet", "stars": {"length_mm": 8.0, "thickness_mm": 0.3}, "border": {"rings": 3}}
 MAX_FILES = 50
 # lines of a design file in TOML's ways of writing: tables, dotted keys, inline tables
 PARTS_OF_DESIGN = [
@@ -54,14 +54,10 @@ def design_files(folder: Path) -> list[str]:
     """Names of the design files in a folder, the newest first; also of designs that exist as autosaves only."""
     times: dict[str, float] = {}
     for file in folder.glob("*.toml"):
-        name = file.name
-        if name.startswith("."):
-            if (of := design_name(name)) is None:
-                continue
-            name = of
+        name = design_name(file.name) or file.name
         with suppress(OSError):
             stamp = file.stat()
-            if _is_design(file, stamp.st_mtime_ns, stamp.st_size) and not name.startswith("."):
+            if not name.startswith(".") and _is_design(file, stamp.st_mtime_ns, stamp.st_size):
                 times[name] = max(stamp.st_mtime, times.get(name, 0.0))
     return sorted(times, key=lambda name: times[name], reverse=True)
 
@@ -75,9 +71,5 @@ def _is_design(file: Path, mtime_ns: int, size: int) -> bool:
 
 def free_name(folder: Path, stem: str) -> Path:
     """A name for a new design file in a folder: `stem.toml`, or `stem-2.toml` and so on if that is taken."""
-    number = 1
-    while True:
-        path = folder / (f"{stem}.toml" if number == 1 else f"{stem}-{number}.toml")
-        if not path.exists() and not autosaves(path):
-            return path
-        number += 1
+    paths = (folder / (f"{stem}.toml" if number == 1 else f"{stem}-{number}.toml") for number in count(1))
+    return next(path for path in paths if not path.exists() and not autosaves(path))

@@ -14,9 +14,6 @@ from asterism.equilibrium.arrays import Array
 from asterism.pattern.layout.layout import Layout
 
 STAR_SIZES = {"length_mm": "Star length", "thickness_mm": "Star thickness", "width_mm": "Star width"}
-NAMES = {"border": "outline"}  # tables of the design file as the page says them
-UNITS = {"mm": " mm", "mpa": " MPa", "deg": "°"}
-MOST = 3  # statements about one step
 
 
 @dataclass(frozen=True)
@@ -179,8 +176,7 @@ def step_words(before: Mapping[str, Any], after: Mapping[str, Any], plans: tuple
         if not (has_sizes and path[0] == "stars" and path[-1] in STAR_SIZES):
             said.append(_value_words(path, old, new))
     said = list(dict.fromkeys(said))
-    more = f" and {len(said) - MOST} more" if len(said) > MOST else ""
-    return "; ".join(said[:MOST]) + more
+    return "; ".join(said[:3]) + (f" and {len(said) - 3} more" if len(said) > 3 else "")
 
 
 def _star_words(before: Mapping[str, Any], after: Mapping[str, Any]) -> Iterator[str]:
@@ -234,9 +230,9 @@ def _differences(before: Any, after: Any, path: tuple[str, ...] = ()) -> dict[tu
 
 def _value_words(path: tuple[str, ...], old: Any, new: Any) -> str:
     """One value; of lists and tables the name alone."""
-    *words, last = [NAMES.get(part, part) for part in path]
+    *words, last = ["outline" if part == "border" else part for part in path]  # as the page says it
     name, _, suffix = last.rpartition("_")
-    unit = UNITS.get(suffix, "")
+    unit = {"mm": " mm", "mpa": " MPa", "deg": "°"}.get(suffix, "")
     plain = " ".join([*words, name if unit else last]).replace("_", " ")
     plain = plain[:1].upper() + plain[1:]
     if isinstance(old, list | Mapping) or isinstance(new, list | Mapping):

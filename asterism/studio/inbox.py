@@ -13,14 +13,9 @@ from asterism.previews.session import SearchLimitError
 from asterism.studio.messages import Busy, Cancel, Edit, Parts
 
 STALE_S = 0.4  # a search that has taken longer ends when a newer edit waits
-# processor time of a search: while the pointer is down, and after other edits
-MAX_DRAGGED_SEARCH_S = 2.5
-MAX_SEARCH_S = 20.0
+MAX_SEARCH_S = 20.0  # processor time of a search, but while the pointer is down
 SIGN_EVERY_S = 2.0  # of life, in long searches
-# processor time of a step between two checks, after which it counts as a loop without end
-MAX_STEP_S = 5.0
-# of a step that is announced, or at rest
-MAX_LONG_STEP_S = 30.0
+MAX_LONG_STEP_S = 30.0  # processor time of a step that is announced, or at rest
 
 
 class Superseded(Exception):
@@ -144,8 +139,11 @@ class SearchBounds:
         self.go_on(MAX_LONG_STEP_S)
 
     def go_on(self, step_s: float | None = None) -> None:
-        """The work is not stuck: a step begins, which may take so much processor time; at rest, steps are longer."""
-        usual = MAX_LONG_STEP_S if self._yields else MAX_STEP_S
+        """The work is not stuck: a step begins, which may take so much processor time; at rest, steps are longer.
+
+        What takes longer between two checks counts as a loop without end.
+        """
+        usual = MAX_LONG_STEP_S if self._yields else 5.0
         self._step_ends = time.process_time() + (usual if step_s is None else step_s)
 
     @property

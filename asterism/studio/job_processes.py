@@ -97,7 +97,7 @@ def settled(
 
 
 @job("design")
-def run_verification(
+def run_verify(
     progress: ProgressSender,
     number: int,
     table: dict[str, Any],
@@ -213,7 +213,7 @@ def run_report(
 
 
 @job("drawing the release")
-def run_animation(progress: ProgressSender, number: int, out: str, exact: bytes) -> Written:
+def run_animate(progress: ProgressSender, number: int, out: str, exact: bytes) -> Written:
     """Draw the release from the flat print to a shape, pickled, as the GIF `out`."""
     from asterism.results.files import write_file
     from asterism.shape.release_picture import release_gif

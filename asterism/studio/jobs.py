@@ -20,12 +20,8 @@ from asterism.studio.shape_requests import StudioOwner, job_numbers
 from asterism.studio.target import Target, sheet_weights
 
 PROCESSES = {
-    "verify": "asterism.studio.job_processes:run_verification",
-    "fit": "asterism.studio.job_processes:run_fit",
-    "export": "asterism.studio.job_processes:run_export",
-    "report": "asterism.studio.job_processes:run_report",
-    "animate": "asterism.studio.job_processes:run_animation",
-    "spread": "asterism.studio.job_processes:run_spread",
+    kind: f"asterism.studio.job_processes:run_{kind}"
+    for kind in ("verify", "fit", "export", "report", "animate", "spread")
 }
 
 

@@ -26,8 +26,6 @@ from asterism.studio.requests import RequestError
 from asterism.studio.star_sizes import PLAIN_WEIGHT, entries_by_site, weights_by_site
 
 DEFAULT_PRINTER = "ultimaker2"
-
-
 REFUSAL_KINDS: dict[type[Exception], str] = {
     DesignError: "design",
     FileChangedError: "file changed",
@@ -159,11 +157,7 @@ def printer_entries() -> tuple[dict[str, Any], ...]:
                 "title": printer.name,
                 "area_mm": [float(side) for side in room_mm(printer)],
                 "frame_mm": [float(side) for side in printer.frame.size_mm],
-                "rounding": {
-                    "first_layer_mm": rounding.first_layer_mm,
-                    "layer_mm": rounding.layer_mm,
-                    "line_mm": rounding.line_mm,
-                },
+                "rounding": {key: getattr(rounding, key) for key in ("first_layer_mm", "layer_mm", "line_mm")},
             }
         )
     return tuple(entries)
@@ -204,33 +198,30 @@ def plan_data(layout: Layout, painted_sites: set[Site], weights: Mapping[Site, f
 
     Returns
     -------
-    outline_mm, spacing_mm, lattice, sites (in the order of the stars' numbers: site, at_mm, sizes_mm, arms, removed,
-    painted, weight), rods (without the arms of stars), holes_mm, pins (one entry a table of the design), ignored_sites.
+    outline_mm, spacing_mm, sites (in the order of the stars' numbers: site, at_mm, sizes_mm, arms, removed,
+    painted, weight), rods (without the arms of stars), holes_mm, pins (one entry a table of the design).
     """
     places = layout.lattice.place(layout.sheet_sites)
-    arms: list[list[Any]] = [[] for _ in layout.sheet_sites]
-    numbers = layout.star_number[layout.arm_star]
-    ends = np.stack([layout.centres[layout.arm_star], layout.arm_tip], axis=1)
-    for number, arm in zip(numbers.tolist(), _plain(ends), strict=True):
-        arms[number].append(arm)
-    sites = [
+    sites: list[dict[str, Any]] = [
         {
             "site": site,
             "at_mm": at,
             "sizes_mm": sizes,
-            "arms": arms[number],
+            "arms": [],
             "removed": sizes[0] == 0.0,
             "painted": tuple(site) in painted_sites,
             "weight": weights.get(tuple(site), PLAIN_WEIGHT),
         }
-        for number, (site, at, sizes) in enumerate(
-            zip(layout.sheet_sites.tolist(), _plain(places), _plain(layout.site_sizes_mm), strict=True)
+        for site, at, sizes in zip(
+            layout.sheet_sites.tolist(), _plain(places), _plain(layout.site_sizes_mm), strict=True
         )
     ]
+    ends = np.stack([layout.centres[layout.arm_star], layout.arm_tip], axis=1)
+    for number, arm in zip(layout.star_number[layout.arm_star].tolist(), _plain(ends), strict=True):
+        sites[number]["arms"].append(arm)
     return {
         "outline_mm": _plain(layout.outline),
         "spacing_mm": layout.spacing_mm,
-        "lattice": {"vectors_mm": _plain(layout.lattice_vectors), "origin_mm": _plain(layout.lattice_origin)},
         "sites": sites,
         "rods": [
             {
@@ -247,12 +238,9 @@ def plan_data(layout: Layout, painted_sites: set[Site], weights: Mapping[Site, f
                 "points_mm": _plain(pins.points),
                 "edges": [_plain(np.array(segment)) for segment in pins.segments(layout.edges)],
                 "places_mm": _plain(pins.places(pins.points)),
-                "fixed": list(pins.fixed),
-                "step": pins.step,
             }
             for pins in layout.pins
         ],
-        "ignored_sites": layout.ignored_sites.tolist(),
     }
 
 

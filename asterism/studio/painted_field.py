@@ -16,8 +16,6 @@ from asterism.pattern.design.section import Point
 from asterism.pattern.design.sizing.grey_image import MAX_PIXELS_A_SIDE, pack_image
 from asterism.pattern.design.sizing.profiles import SizingField, sample
 
-# distance of the grid's values, in which rods are sampled, too; larger on sheets with more than the most pixels
-STEP_MM = 1.0
 # values of the design file: readable, and below what a picture resolves
 DIGITS = 4
 
@@ -65,7 +63,8 @@ class PaintedField:
         outline : (n, 2) printed mm.
         """
         low, high = outline.min(axis=0), outline.max(axis=0)
-        columns, rows = np.clip(np.ceil((high - low) / STEP_MM), 1, MAX_PIXELS_A_SIDE).astype(int)
+        # values stand 1 mm apart, as places along rods do; further on sheets with more than the most pixels
+        columns, rows = np.clip(np.ceil(high - low), 1, MAX_PIXELS_A_SIDE).astype(int)
         extent, centre = np.round(high - low, DIGITS), np.round(0.5 * (low + high), DIGITS)
         blank = cls(np.zeros((rows, columns)), (extent[0], extent[1]), (centre[0], centre[1]))
         return replace(blank, values=sample(size, blank.places).reshape(rows, columns))

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from typing import Annotated, Any, Literal, Self
+from collections.abc import Iterator
+from typing import Annotated, Any, Literal, Self, Union
 
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError, model_validator
 
@@ -34,10 +35,9 @@ class Request(BaseModel):
     document: WholeNumber | None = None
 
 
-MAX_SITES = 20_000
 SiteIndex = Annotated[int, Field(ge=-100_000, le=100_000)]
-Sites = Annotated[list[tuple[SiteIndex, SiteIndex]], Field(max_length=MAX_SITES)]
-SizesOfSites = Annotated[list[float | None], Field(max_length=MAX_SITES)]
+Sites = Annotated[list[tuple[SiteIndex, SiteIndex]], Field(max_length=20_000)]
+SizesOfSites = Annotated[list[float | None], Field(max_length=20_000)]
 PlaceMm = tuple[Annotated[float, Field(ge=-1e5, le=1e5)], Annotated[float, Field(ge=-1e5, le=1e5)]]
 
 
@@ -272,31 +272,15 @@ class Acknowledge(Request):
     frame: WholeNumber
 
 
-AnyRequest = Annotated[
-    Simple
-    | Open
-    | Save
-    | Go
-    | Recover
-    | Change
-    | TakeBack
-    | Paint
-    | BrushRequest
-    | StarsRequest
-    | PlaceDrawing
-    | Weigh
-    | FormRequest
-    | ExactFormRequest
-    | SlotRequest
-    | BumpsRequest
-    | TargetRequest
-    | FitRequest
-    | ExportRequest
-    | PrinterRequest
-    | Acknowledge,
-    Field(discriminator="type"),
-]
-_REQUESTS: TypeAdapter[Any] = TypeAdapter(AnyRequest)
+def _kinds(of: type[Request]) -> Iterator[type[Request]]:
+    """The classes of messages, each with the words of its own in `type`."""
+    if "type" in of.model_fields:
+        yield of
+    for kind in of.__subclasses__():
+        yield from _kinds(kind)
+
+
+_REQUESTS: TypeAdapter[Request] = TypeAdapter(Annotated[Union[*_kinds(Request)], Field(discriminator="type")])
 
 
 def read_request(text: str) -> Request:
@@ -319,11 +303,10 @@ def read_request(text: str) -> Request:
     except (ValueError, RecursionError):
         raise RequestError("a message must be JSON") from None
     try:
-        request: Request = _REQUESTS.validate_python(data)
+        return _REQUESTS.validate_python(data)
     except ValidationError as error:
         first = error.errors(include_url=False, include_input=False)[0]
         place = ".".join(str(part) for part in first["loc"])
         raise RequestError(f"message {place}: {first['msg']}"[:300]) from None
     except RecursionError:
         raise RequestError("a message is nested too deeply") from None
-    return request

@@ -32,22 +32,17 @@ from asterism.studio.engine_link import EngineLink
 from asterism.studio.examples import PICTURES
 from asterism.studio.file_names import MAX_NAME_CHARACTERS, FileNameError, file_below
 from asterism.studio.page_data import problem_data
-from asterism.studio.pages import MAX_TABS, Tab
+from asterism.studio.pages import MAX_TABS, KeptShape, Tab
 from asterism.studio.requests import MAX_REQUEST_BYTES
 from asterism.studio.studio import Studio
 from asterism.studio.target import Target
-from asterism.studio.uploads import MAX_UPLOAD_BYTES, UploadKind, read_apart
+from asterism.studio.uploads import KINDS, MAX_UPLOAD_BYTES, read_apart
 
 PAGE = Path(__file__).parent / "page"
 # Windows may have other types for these in its registry, and a module of another type is not run.
 for _suffix, _type in ((".js", "text/javascript"), (".css", "text/css"), (".svg", "image/svg+xml")):
     mimetypes.add_type(_type, _suffix)
 
-PAGE_POLICY = (
-    "default-src 'self'; img-src 'self' blob: data:; object-src 'none'; base-uri 'none'; frame-ancestors 'none'"
-)
-# Reports are complete in themselves; they may style themselves and show the pictures in them, and nothing else.
-FILE_POLICY = "sandbox; default-src 'none'; style-src 'unsafe-inline'; img-src data:"
 TRY_AGAIN_LATER = 1013
 
 
@@ -58,7 +53,8 @@ class PageGuard(Guard):
     """
 
     def __init__(self, app: Any, token: str, hosts: frozenset[str]) -> None:
-        super().__init__(app, hosts, PAGE_POLICY)
+        others = "object-src 'none'; base-uri 'none'; frame-ancestors 'none'"
+        super().__init__(app, hosts, f"default-src 'self'; img-src 'self' blob: data:; {others}")
         self._token = token.encode()
 
     def refusal(self, scope: Scope, headers: Mapping[str, str]) -> int | None:
@@ -89,18 +85,14 @@ def application(studio: Studio, token: str, hosts: frozenset[str]) -> PageGuard:
         path = file_below(studio.folder, request.path_params["name"])
         if not path.is_file():
             return PlainTextResponse("not found", 404)
-        shown = path.suffix in (".html", ".pdf", ".png", ".gif")
-        return FileResponse(
-            path,
-            filename=path.name,
-            content_disposition_type="inline" if shown else "attachment",
-            headers={"content-security-policy": FILE_POLICY},
-        )
+        how = "inline" if path.suffix in (".html", ".pdf", ".png", ".gif") else "attachment"
+        # reports are complete in themselves; they may style themselves and show the pictures in them, and nothing else
+        policy = "sandbox; default-src 'none'; style-src 'unsafe-inline'; img-src data:"
+        headers = {"content-security-policy": policy}
+        return FileResponse(path, filename=path.name, content_disposition_type=how, headers=headers)
 
     async def upload(request: Request) -> Response:
-        try:
-            kind = UploadKind(request.query_params.get("kind", ""))
-        except ValueError:
+        if (kind := request.query_params.get("kind", "")) not in KINDS:
             return PlainTextResponse("not found", 404)
         size = 0
         # a reader that has just been ended may still hold its file, which Windows then keeps
@@ -133,14 +125,16 @@ def application(studio: Studio, token: str, hosts: frozenset[str]) -> PageGuard:
     async def target(request: Request) -> Response:
         if studio.parts.target is None:
             return PlainTextResponse("not found", 404)
-        packed = await asyncio.to_thread(studio.parts.target.packed)
-        return Response(packed, media_type="application/octet-stream")
+        return await packed(studio.parts.target)
 
     async def shape(request: Request) -> Response:
         kept = studio.shown.kept.get(request.path_params["number"])
         if kept is None:
             return PlainTextResponse("not found", 404)
-        return Response(await asyncio.to_thread(kept.packed), media_type="application/octet-stream")
+        return await packed(kept)
+
+    async def packed(one: Target | KeptShape) -> Response:
+        return Response(await asyncio.to_thread(one.packed), media_type="application/octet-stream")
 
     async def live(socket: WebSocket) -> None:
         await socket.accept()

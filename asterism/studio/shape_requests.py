@@ -43,8 +43,6 @@ from asterism.studio.requests import RequestError
 from asterism.studio.star_sizes import split
 from asterism.studio.target import Target
 
-# kinds of problems that do not concern the shown shape
-ANSWERS = frozenset({"no other side", "no such form", "no target", "search ended"})
 # An exact shape that is estimated to take longer waits for a click.
 MAX_SECONDS = 20.0
 # numbers of jobs and exact shapes
@@ -117,21 +115,20 @@ class EngineRequests:
         parts, folder = split(document.table), str(document.path.parent)
         self.link.edit(Edit(self._new_seq(), *parts, is_dragging, is_opened, snapshot, folder))
 
-    def search(self, request: ask.Simple | ask.FormRequest) -> None:
+    def search(self, question: type[Flip | ShowForm], *arguments: int) -> None:
         """Have the engine search for the other side, or for another form."""
         self._ask_anew()
-        seq = self._new_seq()
-        self.link.ask(ShowForm(seq, request.index) if isinstance(request, ask.FormRequest) else Flip(seq))
+        self.ask(question, *arguments)
 
     def _ask_anew(self) -> None:
         """Another shape is asked for: the exact one under way is that of another design or form."""
         self._studio.settling.cancel()
         self._first_seq = self.last_seq + 1
 
-    def fit_target(self) -> int:
-        """Have the engine lay the target on the shape; return the number of the question."""
+    def ask(self, question: type[Flip | ShowForm | FitTarget], *arguments: int) -> int:
+        """Ask about the document as it is; the number of the question."""
         seq = self._new_seq()
-        self.link.ask(FitTarget(seq))
+        self.link.ask(question(seq, *arguments))
         return seq
 
     def _answer(self, message: Any) -> None:
@@ -154,8 +151,8 @@ class EngineRequests:
                 shown.add_form(message)
             case Rested() if is_of_last:
                 studio.settling.rest(message, revision)
-            case StudioProblem() if message.kind in ANSWERS and revision >= 0:
-                shown.busy = None
+            case StudioProblem(kind="no other side" | "no such form" | "no target" | "search ended") if revision >= 0:
+                shown.busy = None  # they do not concern the shown shape
                 studio.tabs.tell({**message.data, "revision": revision})
             case StudioProblem() if message.seq >= self.last_seq or message.kind == "engine":
                 shown.add_problem(message)
@@ -232,7 +229,7 @@ class FrameParts:
 
     def fit(self) -> None:
         """Have the engine lay the target on the shape."""
-        self._fits = self._studio.engine.fit_target(), self.version
+        self._fits = self._studio.engine.ask(FitTarget), self.version
 
     def move(self, pose: TargetPose) -> None:
         """The engine has laid the target on the shape."""

@@ -29,7 +29,6 @@ RIBBON_MM = 5.0
 # thickness of the fabric as the page draws it below the sheet's places: plastic below hangs at its lower face
 FABRIC_MM = 0.8
 NO_SITE = 2**32 - 1  # in place of the row of a star, for ribbons of drawn rods
-STATION_CANDIDATES = 8  # triangles that are tried for a station: those of a shown mesh are well shaped
 
 
 class SheetMarks:
@@ -107,10 +106,11 @@ class SheetMarks:
 
         The points are in the triangles `known` (n,), if these are given, but for a few.
         """
+        tried = 8  # triangles for a point: those of a shown mesh are well shaped
         if known is None:
-            triangle, weights = self._finder.nearest(points, STATION_CANDIDATES)
+            triangle, weights = self._finder.nearest(points, tried)
         else:
-            triangle, weights = self._finder.near_before(points, known, STATION_CANDIDATES)
+            triangle, weights = self._finder.near_before(points, known, tried)
         corners, ends = self.triangles[triangle], np.arange(0, 3 * len(points) + 1, 3)
         shape = len(points), len(self.printed)
         return sp.csr_matrix((clipped(weights).ravel(), corners.ravel(), ends), shape), triangle

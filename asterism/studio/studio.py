@@ -21,10 +21,11 @@ from asterism.studio.design_file import FileWatch
 from asterism.studio.document import Document
 from asterism.studio.drawing import Drawings, with_drawing
 from asterism.studio.engine_link import EngineLink
-from asterism.studio.examples import MAX_FILES, NEW_SHEET, design_files, free_name, gallery_entries
+from asterism.studio.examples import MAX_FILES, design_files, free_name, gallery_entries
 from asterism.studio.file_names import file_below, shown_path
 from asterism.studio.history import thumbnail
 from asterism.studio.jobs import JobRequests
+from asterism.studio.messages import Flip, ShowForm
 from asterism.studio.page_data import (
     DEFAULT_PRINTER,
     document_data,
@@ -35,8 +36,6 @@ from asterism.studio.page_data import (
 from asterism.studio.pages import KeptShape, Shown, Tab, Tabs, number_of
 from asterism.studio.requests import GestureRequest, Request, RequestError
 from asterism.studio.shape_requests import EngineRequests, FrameParts, Settling
-
-MAX_LEFT = 6  # designs that were open and are shown as pictures
 
 
 class Studio:
@@ -242,8 +241,10 @@ class Studio:
             case ask.Simple(type="reread"):
                 await asyncio.to_thread(document.read_again)
                 await self.accept()
-            case ask.Simple(type="flip") | ask.FormRequest():
-                self.engine.search(request)
+            case ask.Simple(type="flip"):
+                self.engine.search(Flip)
+            case ask.FormRequest():
+                self.engine.search(ShowForm, request.index)
             case ask.ExactFormRequest():
                 self.settling.show_form(request.released)
                 self.tell_state()
@@ -293,8 +294,8 @@ class Studio:
         """Keep the shape of a design that makes way for another one, if it can be opened again."""
         shape = self.shown.keep_shown()
         if shape is not None and path.resolve().parent == self.folder and (path.exists() or autosaves(path)):
-            self._left_shapes.pop(path.name, None)
-            self._left_shapes = dict([(path.name, shape), *self._left_shapes.items()][:MAX_LEFT])  # the last one first
+            others = [left for left in self._left_shapes.items() if left[0] != path.name]
+            self._left_shapes = dict([(path.name, shape), *others][:6])  # those that are shown, the last one first
 
     async def _gesture(self, tab: Tab, request: GestureRequest, document: Document) -> None:
         """A change of the document; at the end of the gesture the sheet is laid out."""
@@ -471,7 +472,8 @@ def opened(folder: Path, request: ask.Open | ask.Simple) -> Document:
         There is no such design, or its file is not one.
     """
     if isinstance(request, ask.Simple):
-        return Document(NEW_SHEET, free_name(folder, "sheet"))
+        table = {"name": "sheet", "stars": {"length_mm": 8.0, "thickness_mm": 0.3}, "border": {"rings": 3}}
+        return Document(table, free_name(folder, "sheet"))
     if request.gallery is not None:
         if request.gallery not in (*gallery.names(), *gallery.pattern_names()):
             raise RequestError(f"{request.gallery!r} is not in the gallery")

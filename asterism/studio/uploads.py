@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 from contextlib import suppress
-from enum import StrEnum
 from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import Any
@@ -13,78 +12,54 @@ import numpy as np
 import shapely
 from starlette.requests import Request
 
-from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.errors import Error
 from asterism.measure.compare.outline import OUTLINE_FORMATS, read_outline
 from asterism.pattern.design.sizing.grey_image import ImageError, pack_image, read_grey
 from asterism.pattern.drawing.records import MM_OF_UNITS, NoUnitError
 from asterism.studio.child import Child
-from asterism.studio.drawing import MAX_CORNERS, UploadError, read_drawing
+from asterism.studio.drawing import UploadError, check_corners, read_drawing
 from asterism.studio.page_data import problem_data
 from asterism.studio.target import read_target
 
 MAX_UPLOAD_BYTES = 8_000_000
 MAX_READ_S = 60.0
-MAX_MEMORY_BYTES = 4_000_000_000  # beside what the libraries take
+KINDS = ("image", "outline", "target", "drawing")  # what a file is for
 _READER = "asterism.studio.uploads:run_reader"
 
 
-class UploadKind(StrEnum):
-    """What a file is for."""
-
-    IMAGE = "image"
-    OUTLINE = "outline"
-    TARGET = "target"
-    DRAWING = "drawing"
-
-
-def read_upload(kind: UploadKind, path: Path, name: str = "") -> dict[str, Any]:
-    """The part of a design file that a file stands for.
-
-    Parameters
-    ----------
-    name : of the file as the page gives it; it goes into the design as a note.
-
-    Returns
-    -------
-    `{"value": {...}}` for a picture: a sizing profile without `low`, `high` and `extent_mm`; `{"border": {...}}` for an
-    outline.
-
-    Raises
-    ------
-    UploadError, ScanError
-        The file cannot be read as such.
-    """
-    if kind is UploadKind.IMAGE:
-        try:
-            grey = read_grey(path)
-        except ImageError as error:
-            raise UploadError(f"the picture {error}") from None
-        rows, columns = grey.shape
-        return {"value": {"image": name or path.name, "pixels": [columns, rows], "grey": pack_image(grey)}}
-    if path.suffix not in (*OUTLINE_FORMATS, ".dxf"):
-        raise UploadError(f"an outline must be a file of {', '.join((*OUTLINE_FORMATS, '.dxf'))}")
-    return {"border": {"polygon_mm": border_corners(read_outline(path).corners).round(4).tolist()}}
-
-
-def border_corners(corners: Floats) -> Floats:
-    """An outline for a design: around the origin, counterclockwise, and with as few corners as a print can show.
+def read_picture(path: Path, name: str) -> dict[str, Any]:
+    """A sizing profile of a design, without `low`, `high` and `extent_mm`; the name goes into it as a note.
 
     Raises
     ------
     UploadError
-        The outline still has too many corners.
+        The file cannot be read as a picture.
     """
+    try:
+        grey = read_grey(path)
+    except ImageError as error:
+        raise UploadError(f"the picture {error}") from None
+    return {"image": name or path.name, "pixels": list(grey.shape[::-1]), "grey": pack_image(grey)}
+
+
+def read_border(path: Path) -> dict[str, Any]:
+    """A border of a design: around the origin, counterclockwise, and with as few corners as a print can show.
+
+    Raises
+    ------
+    UploadError, ScanError
+        The file cannot be read as an outline, or that has too many corners.
+    """
+    if path.suffix not in (*OUTLINE_FORMATS, ".dxf"):
+        raise UploadError(f"an outline must be a file of {', '.join((*OUTLINE_FORMATS, '.dxf'))}")
     # Corners that are nearer to the line between their neighbours are left out.
-    polygon = shapely.Polygon(corners).simplify(0.05)
-    simple: Floats = np.asarray(shapely.geometry.polygon.orient(polygon).exterior.coords)[:-1, :2]
-    if len(simple) > MAX_CORNERS:
-        raise UploadError(f"the outline has {len(simple)} corners; at most {MAX_CORNERS} are allowed")
-    centred: Floats = simple - (simple.min(axis=0) + simple.max(axis=0)) / 2
-    return centred
+    polygon = shapely.Polygon(read_outline(path).corners).simplify(0.05)
+    corners = np.asarray(shapely.geometry.polygon.orient(polygon).exterior.coords)[:-1, :2]
+    check_corners(len(corners))
+    return {"polygon_mm": (corners - (corners.min(axis=0) + corners.max(axis=0)) / 2).round(4).tolist()}
 
 
-async def read_apart(request: Request, kind: UploadKind, path: Path, name: str) -> Any:
+async def read_apart(request: Request, kind: str, path: Path, name: str) -> Any:
     """What is in a file: a `Drawing`, a `Target`, or data for the page; a pair of status and data where it fails.
 
     Raises
@@ -113,20 +88,24 @@ async def read_apart(request: Request, kind: UploadKind, path: Path, name: str) 
         child.kill()
 
 
-def run_reader(connection: Connection, kind: UploadKind, path: Path, name: str, units: str | None) -> None:
+def run_reader(connection: Connection, kind: str, path: Path, name: str, units: str | None) -> None:
     """The body of the process: read a file, and send what is in it."""
     with suppress(ImportError, ValueError, OSError):  # other systems than Linux have no such limit
         import resource
 
         taken = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
-        resource.setrlimit(resource.RLIMIT_AS, (taken + MAX_MEMORY_BYTES, resource.RLIM_INFINITY))
+        # 4 GB beside what the libraries take
+        resource.setrlimit(resource.RLIMIT_AS, (taken + 4_000_000_000, resource.RLIM_INFINITY))
     try:
-        if kind is UploadKind.TARGET:
-            connection.send(read_target(path, name))
-        elif kind is UploadKind.DRAWING:
-            connection.send(read_drawing(path, name, units))
-        else:
-            connection.send(read_upload(kind, path, name))
+        match kind:
+            case "target":
+                connection.send(read_target(path, name))
+            case "drawing":
+                connection.send(read_drawing(path, name, units))
+            case "image":
+                connection.send({"value": read_picture(path, name)})
+            case _:
+                connection.send({"border": read_border(path)})
     except NoUnitError:
         connection.send((200, {"units": list(MM_OF_UNITS)}))  # a question
     except MemoryError:

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import asterism
-from asterism.studio.job_processes import run_fit, run_verification
+from asterism.studio.job_processes import run_fit, run_verify
 from asterism.studio.messages import JobProgress, Settled, StudioProblem, Surface
 from asterism.verification.run import STAGES
 from tests.asterism.fitting.surfaces import spherical_cap
@@ -34,7 +34,7 @@ def table(name: str = "dome", **sections: Any) -> dict[str, Any]:
 @pytest.mark.slow
 def test_a_verification_sends_numbers_and_then_the_exact_shape_beside_the_preview_and_its_files(tmp_path: Path) -> None:
     pipe = Sent()
-    run_verification(pipe, 3, table(border={"rings": 2}), ".", str(tmp_path / "out"))
+    run_verify(pipe, 3, table(border={"rings": 2}), ".", str(tmp_path / "out"))
     *reports, result = pipe.messages
     assert all(isinstance(message, JobProgress) for message in reports)
     stages = list(dict.fromkeys(report.stage for report in reports))
@@ -68,7 +68,7 @@ def test_a_verification_sends_numbers_and_then_the_exact_shape_beside_the_previe
 )
 def test_what_cannot_be_verified_is_a_problem(tmp_path: Path, changes: dict[str, Any], kind: str) -> None:
     pipe = Sent()
-    run_verification(pipe, 1, table(**changes), ".", str(tmp_path / "out"))
+    run_verify(pipe, 1, table(**changes), ".", str(tmp_path / "out"))
     problem = pipe.messages[-1]
     assert isinstance(problem, StudioProblem) and (problem.seq, problem.kind) == (1, kind)
     assert not (tmp_path / "out").exists()
