@@ -19,18 +19,11 @@ from asterism.results.files import write_file
 
 @dataclass(frozen=True)
 class KeptWork:
-    """Unsaved work that another session has left, or still works on.
+    """Unsaved work that another session has left, or still works on."""
 
-    Attributes
-    ----------
-    path : of its autosave.
-    table : the design.
-    time : when it was written, s since 1970.
-    """
-
-    path: Path
+    path: Path  # of its autosave
     table: dict[str, Any]
-    time: float
+    time: float  # when it was written, s since 1970
 
 
 class Autosave:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -26,14 +25,6 @@ class DesignTexts:
     ----------
     on_disk : text that was last read from the document's file, or written to it; None without a file.
     saved_revision : of the state that the file holds; -1 without one.
-
-    Examples
-    --------
-    >>> texts = DesignTexts('# mine\\nname = "star"\\n')
-    >>> texts.text(0, {"name": "star"}, Path("star.toml"))
-    '# mine\\nname = "star"\\n'
-    >>> texts.saved_revision
-    0
     """
 
     def __init__(self, text: str | None, is_on_disk: bool = True) -> None:
@@ -70,17 +61,7 @@ def file_text(path: Path) -> str:
 
 
 class FileWatch:
-    """Compares a file with what it held before.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> path = Path(tempfile.mkdtemp()) / "a.toml"
-    >>> watch = FileWatch(path)
-    >>> _ = path.write_text("x = 1")
-    >>> watch.changed_text(), watch.changed_text()
-    ('x = 1', None)
-    """
+    """Compares a file with what it held before."""
 
     def __init__(self, path: Path) -> None:
         self._path = path
@@ -98,33 +79,26 @@ class FileWatch:
             text = file_text(self._path)
         except (OSError, ValueError):
             return None
-        self._stamp = stamp
-        if text == self._text:
-            return None
-        self._text = text
-        return text
+        is_other = text != self._text
+        self._stamp, self._text = stamp, text
+        return text if is_other else None
 
 
-class FileChangedError(Error):
-    """Another program has changed the file since the document read or wrote it; the message is one line."""
+class KeptFileError(Error):
+    """A file is not written over without being asked; the message is one line.
+
+    Attributes
+    ----------
+    kind : `file changed` by another program, `file exists` and holds another design, or `file read-only`.
+    """
+
+    def __init__(self, kind: str, text: str) -> None:
+        super().__init__(text)
+        self.kind = kind
 
 
-class OtherFileError(Error):
-    """The file belongs to another design; the message is one line."""
-
-
-class ReadOnlyError(Error):
-    """The file may not be written; the message is one line."""
-
-
-def check_writable(path: Path) -> None:
-    """Raise ReadOnlyError if a file is there that nobody may write: renaming another one onto it would succeed."""
-    if path.exists() and not path.stat().st_mode & 0o222:
-        raise ReadOnlyError(f"{path.name} is read-only")
-
-
-def check_unchanged(path: Path, known: str | None) -> None:
-    """Raise FileChangedError or OtherFileError if a file exists and its text is not the known one.
+def check_replaceable(path: Path, known: str | None) -> None:
+    """Raise KeptFileError if a file may not be written, or its text is not the known one.
 
     Parameters
     ----------
@@ -138,34 +112,20 @@ def check_unchanged(path: Path, known: str | None) -> None:
         text = None
     except OSError:
         return  # writing says what is wrong
-    if text is not None and text == known:
-        return
-    if known is None:
-        raise OtherFileError(f"{path.name} exists already and holds another design")
-    try:
-        Design.from_dict(read_table(path), path.parent)
-    except Error as error:
-        problem = str(error).removeprefix(f"{path}: ")
-        raise FileChangedError(f"{path.name} was changed by another program and has a mistake: {problem}") from None
-    raise FileChangedError(f"{path.name} was changed by another program")
+    if text is None or text != known:
+        if known is None:
+            raise KeptFileError("file exists", f"{path.name} exists already and holds another design")
+        mistake = ""
+        try:
+            Design.from_dict(read_table(path), path.parent)
+        except Error as error:
+            mistake = f" and has a mistake: {str(error).removeprefix(f'{path}: ')}"
+        raise KeptFileError("file changed", f"{path.name} was changed by another program{mistake}")
+    if not path.stat().st_mode & 0o222:  # renaming another one onto it would succeed
+        raise KeptFileError("file read-only", f"{path.name} is read-only")
 
 
 _HEADER = re.compile(r"^\s*\[{1,2}\s*([\w.-]+)\s*\]{1,2}\s*(#.*)?$")
-
-
-@dataclass
-class _Block:
-    """Lines of a file that belong together: one table, or all tables of one list.
-
-    Attributes
-    ----------
-    name : dotted header, as `stars.override`; empty for the lines before the first header.
-    comment, text : the lines of comments above the header, and the rest.
-    """
-
-    name: str
-    comment: str
-    text: str
 
 
 def edited_text(text: str, table: Mapping[str, Any]) -> str:
@@ -193,55 +153,45 @@ def edited_text(text: str, table: Mapping[str, Any]) -> str:
     """
     whole = table_text(dict(table), Path("design.toml"))
     try:
-        old, new = _blocks(text), _blocks(whole)
-        kept = "".join(_merged(old, new))
+        kept = _merged(_blocks(text), _blocks(whole))
         return kept if tomllib.loads(kept) == tomllib.loads(whole) else whole
     except ValueError:
         return whole
 
 
-def _blocks(text: str) -> dict[str, _Block]:
-    """The blocks of a text by name, in their order; tables of one list need not stand together."""
-    blocks = {"": _Block("", "", "")}
-    block, waiting = blocks[""], ""
+def _blocks(text: str) -> dict[str, list[str]]:
+    """Lines that belong together, one table or all tables of one list: comments above the header, and the rest.
+
+    By the dotted header, as `stars.override`; empty for the lines before the first header.
+    """
+    blocks = {"": ["", ""]}
+    name, waiting = "", ""
     for line in text.splitlines(keepends=True):
-        header = _HEADER.match(line)
-        if header:
+        if header := _HEADER.match(line):
             name = header[1]
-            if name in blocks:
-                block = blocks[name]
-                block.text += waiting + line
-            else:
-                block = blocks[name] = _Block(name, waiting, line)
-            waiting = ""
+            if name not in blocks:
+                blocks[name], waiting = [waiting, ""], ""
         elif not line.strip() or line.lstrip().startswith("#"):
             waiting += line  # belongs to the header that follows, if one follows
-        else:
-            block.text += waiting + line
-            waiting = ""
-    block.text += waiting
+            continue
+        blocks[name][1] += waiting + line
+        waiting = ""
+    blocks[name][1] += waiting
     return blocks
 
 
-def _merged(old: dict[str, _Block], new: dict[str, _Block]) -> list[str]:
+def _merged(old: dict[str, list[str]], new: dict[str, list[str]]) -> str:
     """The old blocks where they hold the same as the new ones, else the new ones in the place of the old."""
-    order = [name for name in old if name in new or not name]
+    order = [name for name in old if name in new]
     for name in new:
         if name not in order:
             relatives = [k for k, other in enumerate(order) if other.split(".")[0] == name.split(".")[0]]
             order.insert(relatives[-1] + 1 if relatives else len(order), name)
-    parts: list[str] = []
+    merged = ""
     for name in order:
-        before, after = old.get(name), new.get(name, _Block(name, "", ""))
-        if before is None:
-            part = after.comment + after.text
-        elif tomllib.loads(before.text) == tomllib.loads(after.text):
-            part = before.comment + before.text
-        else:
-            part = before.comment + after.text
+        comment, text = old.get(name, new[name])
+        part = comment + (text if tomllib.loads(text) == tomllib.loads(new[name][1]) else new[name][1])
         if part.strip():
-            parts.append(part if part.endswith("\n") else f"{part}\n")
-    return [
-        part if not k or part.startswith("\n") or parts[k - 1].endswith("\n\n") else f"\n{part}"
-        for k, part in enumerate(parts)
-    ]
+            is_apart = not merged or part.startswith("\n") or merged.endswith("\n\n")
+            merged += ("" if is_apart else "\n") + part + ("" if part.endswith("\n") else "\n")
+    return merged

@@ -21,7 +21,7 @@ from asterism.pattern.layout.layout import Layout
 from asterism.results.files import write_file
 from asterism.studio import star_sizes
 from asterism.studio.autosave import Autosave, autosaves
-from asterism.studio.design_file import DesignTexts, check_unchanged, check_writable, file_text
+from asterism.studio.design_file import DesignTexts, check_replaceable, file_text
 from asterism.studio.file_names import check_files
 from asterism.studio.history import History, Step, Thumbnails
 from asterism.studio.painted_field import Brush, PaintedField
@@ -239,22 +239,22 @@ class Document:
 
         Raises
         ------
-        FileChangedError, OtherFileError
-            The file holds such a text.
+        KeptFileError
+            The file holds such a text, or is read-only.
         OutputError
             The file cannot be written; the document stays unsaved.
         """
         path = path or self.path
         if not over:
-            check_unchanged(path, self._texts.on_disk if path == self.path else None)
-            check_writable(path)
+            check_replaceable(path, self._texts.on_disk if path == self.path else None)
         if not over and self.is_saved and path == self.path and path.exists():
             self.autosave.drop()
             return
-        text = self.text if path.suffix.lower() == self.path.suffix.lower() else table_text(self.table, path)
+        is_same_format = path.suffix.lower() == self.path.suffix.lower()
+        text = self.text if is_same_format else table_text(self.table, path)
         write_file(path, text)
         self.autosave.drop()
-        if path.suffix.lower() != self.path.suffix.lower():
+        if not is_same_format:
             self._texts.forget()
         self.path = self.autosave.design_path = path
         self._texts.keep(self.revision, text)

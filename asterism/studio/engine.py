@@ -54,14 +54,7 @@ from asterism.studio.sheet_frames import blank_frame, printed_frame
 
 
 class Engine:
-    """Shows edits.
-
-    Parameters
-    ----------
-    inbox : what is asked for.
-    send : passes a message on.
-    clock : seconds, without those in which loops are compiled.
-    """
+    """Shows edits; `clock` gives seconds, without those in which loops are compiled."""
 
     def __init__(
         self, inbox: Inbox, send: Callable[[Any], None], clock: Callable[[], float] = time.perf_counter
@@ -355,12 +348,7 @@ def pattern_kinds(design: Design) -> tuple[bool, bool, bool]:
 
 
 def run_engine(connection: Connection) -> None:
-    """The body of an engine's process: load everything, and serve until the pipe ends.
-
-    Parameters
-    ----------
-    connection : this process's end of a pipe, with the messages of `asterism.studio.messages`.
-    """
+    """The body of an engine's process: load everything, and serve until this end of its pipe is closed."""
     lock = threading.Lock()
 
     def send(message: Any) -> None:

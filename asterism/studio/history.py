@@ -44,13 +44,6 @@ class History:
     Attributes
     ----------
     position : number of the state that is shown.
-
-    Examples
-    --------
-    >>> history = History({"name": "a"})
-    >>> history.push({"name": "b"}, "name")
-    >>> history.go(0).table, history.can_undo, history.go(1).table
-    ({'name': 'a'}, False, {'name': 'b'})
     """
 
     def __init__(self, table: dict[str, Any]) -> None:

@@ -104,12 +104,6 @@ class Inbox:
 class SearchBounds:
     """Watches the work on one message at a time.
 
-    Parameters
-    ----------
-    inbox : where newer messages wait.
-    send : passes a sign of life on.
-    clock : seconds, without those in which loops are compiled.
-
     Attributes
     ----------
     seq : of the message.

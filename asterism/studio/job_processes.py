@@ -34,18 +34,13 @@ if TYPE_CHECKING:
 
 
 class ProgressSender:
-    """Sends how far a job is, and not more often than a page can show it.
-
-    Attributes
-    ----------
-    design : whose stars an error may name.
-    """
+    """Sends how far a job is, and not more often than a page can show it."""
 
     def __init__(self, connection: Connection, job: int) -> None:
         self._connection, self._job = connection, job
         self._begun, self._sent = time.monotonic(), -np.inf
         self._last: tuple[str, int] = ("", -1)
-        self.design: Design | None = None
+        self.design: Design | None = None  # whose stars an error may name
 
     def __call__(self, stage: str, done: int, of: int) -> None:
         """Report `done` of `of` steps of a stage."""
@@ -61,12 +56,7 @@ class ProgressSender:
 
 
 def job(stage: str) -> Callable[[Callable[..., Settled | Fitted | Written]], Callable[..., None]]:
-    """The body of a process from a function of progress, number and arguments that returns the result of the job.
-
-    Parameters
-    ----------
-    stage : the first one.
-    """
+    """The body of a process from a function of progress, number and arguments that returns the result of the job."""
 
     def body_of(work: Callable[..., Settled | Fitted | Written]) -> Callable[..., None]:
         @wraps(work)

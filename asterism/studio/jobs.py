@@ -27,23 +27,15 @@ PROCESSES = {
 
 @dataclass
 class RunningJob:
-    """A job under way.
+    """A job under way."""
 
-    Attributes
-    ----------
-    kind : key of `PROCESSES`.
-    document, revision : the state that it is about.
-    target : when the job began.
-    folders : that the job may make.
-    """
-
-    kind: str
+    kind: str  # key of `PROCESSES`
     document: Document
-    revision: int
-    target: Target | None
+    revision: int  # of the document, when the job began
+    target: Target | None  # of then
     child: Child
     progress: JobProgress
-    folders: tuple[Path, ...]
+    folders: tuple[Path, ...]  # that the job may make
 
     def clear(self) -> None:
         """End the process, and remove what it leaves unfinished."""

@@ -18,7 +18,7 @@ from asterism.pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_
 from asterism.pattern.layout.layout import Layout
 from asterism.print.bed_placement import room_mm
 from asterism.print.printer import load_plastic, load_printer, readable_profiles
-from asterism.studio.design_file import FileChangedError, OtherFileError, ReadOnlyError
+from asterism.studio.design_file import KeptFileError
 from asterism.studio.document import Document
 from asterism.studio.file_names import shown_path
 from asterism.studio.messages import Limits, mistake_parts
@@ -26,13 +26,6 @@ from asterism.studio.requests import RequestError
 from asterism.studio.star_sizes import PLAIN_WEIGHT, entries_by_site, weights_by_site
 
 DEFAULT_PRINTER = "ultimaker2"
-REFUSAL_KINDS: dict[type[Exception], str] = {
-    DesignError: "design",
-    FileChangedError: "file changed",
-    OtherFileError: "file exists",
-    ReadOnlyError: "file read-only",
-}
-
 SERVER_MISTAKE = "the studio has made a mistake, see its terminal; the design is as it was"
 
 _log = logging.getLogger("asterism.studio")
@@ -118,9 +111,10 @@ def problem_data(
         _log.error(work, exc_info=error)
         error, layout = RuntimeError(f"{SERVER_MISTAKE}: {type(error).__name__}"), None
     rows = np.empty((0, 2)) if layout is None else layout.sheet_sites
+    kind = error.kind if isinstance(error, KeptFileError) else "request"
     return {
         "type": "problem",
-        "kind": next((kind for of, kind in REFUSAL_KINDS.items() if isinstance(error, of)), "request"),
+        "kind": "design" if isinstance(error, DesignError) else kind,
         "seq": seq,
         "text": " ".join(str(error).split()),
         **mistake_parts(error, rows),

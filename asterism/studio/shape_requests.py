@@ -70,11 +70,6 @@ class StudioOwner(Protocol):
 class EngineRequests:
     """Numbers what the engine is asked for, and passes its answers to the pages.
 
-    Parameters
-    ----------
-    studio : whose document is computed.
-    make_engine : makes the link to the engine.
-
     Attributes
     ----------
     link : to the engine.

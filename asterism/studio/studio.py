@@ -346,20 +346,12 @@ class Studio:
 
 @dataclass(frozen=True)
 class KeptDesign:
-    """A design that is kept as A, B or C.
-
-    Attributes
-    ----------
-    table : of the design file.
-    snapshot : its form, as in a frame.
-    shape : as it was shown; None if there was none.
-    numbers : of the shape.
-    """
+    """A design that is kept as A, B or C."""
 
     table: dict[str, Any]
-    snapshot: bytes | None
-    shape: KeptShape | None
-    numbers: dict[str, Any]
+    snapshot: bytes | None  # its form, as in a frame
+    shape: KeptShape | None  # as it was shown
+    numbers: dict[str, Any]  # of the shape
 
     @property
     def data(self) -> dict[str, Any]:
@@ -368,12 +360,7 @@ class KeptDesign:
 
 
 class Upkeep:
-    """What the studio does by itself: autosave, following the design file, watching the engine.
-
-    Parameters
-    ----------
-    studio : whose document is kept.
-    """
+    """What the studio does by itself: autosave, following the design file, watching the engine."""
 
     def __init__(self, studio: Studio) -> None:
         self._studio = studio

@@ -12,7 +12,6 @@ from typing import Any
 
 import numpy as np
 
-from asterism.print.settings import ExportSettings
 from asterism.results.files import staged
 from asterism.studio.messages import (
     Edit,
@@ -26,7 +25,6 @@ from asterism.studio.messages import (
     Surface,
     Written,
 )
-from asterism.studio.target import SheetWeights
 from tests.asterism.studio.flat_frames import SQUARE, flat_frame
 
 # variable of the environment with the file that a fit, or a verification, waits for
@@ -81,15 +79,7 @@ def exact(job: int, is_minimum: bool = True) -> Settled:
     return Settled(job, frame, ShapeSummary(0, {"mesh_error_percent": 0.7, "is_minimum": is_minimum}), b"exact")
 
 
-def fit(
-    connection: Connection,
-    job: int,
-    target: Surface,
-    name: str,
-    hold: str,
-    printer: str,
-    weights: SheetWeights | None,
-) -> None:
+def fit(connection: Connection, job: int, target: Surface, name: str, hold: str, printer: str, weights: Any) -> None:
     """A fit that gives a sheet of one ring as soon as the file of `GATE` is there.
 
     The targets `wait.obj` and `wide.obj` have none.
@@ -110,15 +100,7 @@ def fit(
     connection.send(Fitted(job, summary, table, np.diag([1.0, -1.0, -1.0]), np.array([0.0, 0.0, 5.0])))
 
 
-def export(
-    connection: Connection,
-    job: int,
-    table: dict[str, Any],
-    folder: str,
-    out: str,
-    settings: ExportSettings,
-    shape: bytes | None,
-) -> None:
+def export(connection: Connection, job: int, table: Any, folder: str, out: str, settings: Any, shape: Any) -> None:
     """An export of two files, one of which is elsewhere."""
     place = Path(out)
     place.mkdir()

@@ -4,13 +4,9 @@ from __future__ import annotations
 
 import json
 import tomllib
-from contextlib import suppress
 from pathlib import Path
-from typing import Any
 
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 
 from asterism.equilibrium.errors import Error
 from asterism.pattern import gallery
@@ -20,87 +16,6 @@ from asterism.studio.autosave import autosaves
 from asterism.studio.design_file import edited_text
 from asterism.studio.document import Document
 from asterism.studio.examples import design_files, free_name
-
-SITES = st.tuples(st.integers(-4, 4), st.integers(-4, 4))
-SIZES = st.one_of(st.none(), st.floats(-1.0, 20.0), st.just(1e9))
-GESTURES = st.one_of(st.none(), st.integers(0, 2))
-CHANGES: list[dict[str, Any]] = [
-    {},
-    {"name": "another"},
-    {"name": None},
-    {"fabric.stretch": 1.75},
-    {"fabric.stretch": "wide"},
-    {"fabric.nothing": 1},
-    {"border": {"rings": 2}},
-    {"border": {"polygon_mm": [[-40.0, -40.0], [45.0, -40.0], [0.0, 50.0]]}},
-    {"border": {"polygon_mm": [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]}},
-    {"border.rings": None},
-    {"pins": None},
-    {"pins": [{"points_mm": [[0.0, 10.0]]}]},
-    {"pins": [{"points_mm": [[900.0, 0.0]]}]},
-    {"stars.length_mm": 8.5},
-    {"stars.length_mm": {"formula": "9 - abs(x)/20"}},
-    {"stars.length_mm": {"formula": "9 -"}},
-    {"stars.override": [{"star": 3, "length_mm": 6.0}]},
-    {"stars": None},
-    {"lattice.spacing_mm": 1e6},
-]
-OPERATIONS = st.one_of(
-    st.tuples(st.just("paint"), st.lists(st.tuples(SITES, SIZES, SIZES), max_size=4), GESTURES),
-    st.tuples(st.sampled_from(["remove", "restore", "reset"]), st.lists(SITES, max_size=4), GESTURES),
-    st.tuples(st.just("change"), st.sampled_from(CHANGES), GESTURES),
-    st.tuples(st.sampled_from(["undo", "redo", "end", "keep_work"])),
-)
-
-
-def perform(document: Document, operation: Any) -> None:
-    """Do what a page may ask for; a refused change must leave the document as it was."""
-    before = json.dumps(document.table)
-    try:
-        match operation:
-            case ("paint", stars, gesture):
-                sizes = {"length_mm": [length for _, length, _ in stars], "thickness_mm": [h for _, _, h in stars]}
-                document.paint([site for site, _, _ in stars], sizes, gesture)
-            case ("remove" | "restore" | "reset" as kind, sites, gesture):
-                document.change_stars(kind, sites, gesture)
-            case ("change", changes, gesture):
-                document.change(changes, gesture)
-            case ("end",):
-                document.end_gesture()
-            case (kind,):
-                getattr(document, kind)()
-    except Error:
-        assert operation[0] == "end" or json.dumps(document.table) == before
-
-
-@pytest.mark.slow
-@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(operations=st.lists(OPERATIONS, max_size=12))
-def test_undoing_everything_gives_the_first_document_byte_for_byte(tmp_path: Path, operations: list[Any]):
-    path = tmp_path / "dome.toml"
-    original = gallery.path("dome").read_bytes()
-    path.write_bytes(original)
-    document = Document.open(path)
-    first = json.dumps(document.table)
-    for operation in operations:
-        perform(document, operation)
-    with suppress(Error):
-        document.end_gesture()
-    document.design()  # whatever happened, the document is a design
-    last, revision = json.dumps(document.table), document.revision
-    steps = 0
-    while document.history.can_undo:
-        document.undo()
-        steps += 1
-    assert json.dumps(document.table) == first and document.is_saved
-    assert document.text.encode() == original
-    document.save()
-    assert path.read_bytes() == original
-    for _ in range(steps):
-        document.redo()
-    while document.revision != revision and document.history.can_undo:
-        document.undo()
-    assert json.dumps(document.table) == last
 
 
 def test_a_refused_change_leaves_what_can_be_redone(tmp_path: Path):

@@ -2,22 +2,13 @@
 
 from __future__ import annotations
 
-from copy import copy
-
 import numpy as np
 import pytest
-from hypothesis import Phase, given, settings
-from hypothesis import strategies as st
 
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-from asterism.pattern.layout.painted_stars import with_painted_stars
 from asterism.pattern.mesh.meshing import mesh_layout
-from asterism.previews.session import Preview
-from asterism.previews.sheet import StarLens
-from asterism.studio.engine_frames import SheetView
 from asterism.studio.sheet_frames import FABRIC_MM, SheetMarks
-from tests.asterism.previews.laws import plain_law
 
 DESIGN = Design.from_dict(
     {
@@ -26,18 +17,6 @@ DESIGN = Design.from_dict(
         "pins": [{"where": "corners", "scale": 0.85}],
         "mesh": {"edge_mm": 4.0},
     }
-)
-ARRAYS = ("positions", "curvature", "strain", "arms", "arm_normals", "needles")
-SITES = np.array([[i, j] for i in range(-2, 3) for j in range(-2, 3) if abs(i + j) <= 2])
-STROKES = st.lists(
-    st.dictionaries(
-        st.integers(0, len(SITES) - 1),
-        st.tuples(st.one_of(st.just(0.0), st.floats(4.0, 9.5)), st.floats(0.25, 0.5), st.floats(0.9, 1.4)),
-        min_size=1,
-        max_size=5,
-    ),
-    min_size=1,
-    max_size=3,
 )
 
 
@@ -64,31 +43,3 @@ def test_plastic_below_hangs_at_the_lower_face_of_the_fabric() -> None:
     outer, inner = arms[:, :, 0, 2], arms[:, :, 2, 2]
     assert (outer[below] < inner[below]).all() and np.allclose(inner[below], -FABRIC_MM)
     assert (outer[~below] > inner[~below]).all() and np.allclose(inner[~below], 0.0)
-
-
-@pytest.fixture(scope="module")
-def preview() -> Preview:
-    return Preview(DESIGN, plain_law())
-
-
-@pytest.mark.slow
-@settings(max_examples=5, deadline=None, phases=[Phase.explicit, Phase.generate])
-@given(STROKES)
-def test_a_view_that_follows_strokes_shows_what_a_new_one_shows(
-    preview: Preview, strokes: list[dict[int, tuple[float, float, float]]]
-) -> None:
-    preview.update(DESIGN)
-    view = SheetView(preview, is_fine=False)
-    view.frame(preview, 0, "equilibrium")
-    lens = preview.lens(view.printed)
-    for stroke in strokes:
-        painted = with_painted_stars(DESIGN, SITES[list(stroke)], list(stroke.values()))
-        stage = next(preview.edit(painted))
-        state = preview.state
-        followed, anew = lens(stage.x), StarLens(state.sheet, view.printed)(stage.x)
-        assert np.abs(followed.bumpy - anew.bumpy).max() <= 1e-12
-        fresh = copy(view)  # a new view may have another mesh
-        fresh._follow(preview)
-        one, other = (each.frame(preview, 1, "linear", stage.x).arrays for each in (view, fresh))
-        for name in ARRAYS:
-            assert one[name] == pytest.approx(other[name], abs=2e-5), name  # numbers of 4 bytes

@@ -58,23 +58,6 @@ def run(test: Callable[[Links], Awaitable[None]], **options: Any) -> None:
 
 
 @pytest.mark.slow
-def test_an_engine_that_ends_is_replaced_and_given_the_design_again(tmp_path: Path):
-    mark = tmp_path / "mark"
-    mark.touch()
-
-    async def test(links: Links) -> None:
-        links.link.edit(Edit(1, {"name": "a"}))
-        await links.until(lambda: bool(links.frames(1)) and links.link.status == "ready")
-        links.link.edit(Edit(2, {"die_once": str(mark)}))
-        links.link.edit(Edit(3, {"die_once": str(mark)}))
-        await links.until(lambda: bool(links.frames(3)))
-        assert any(isinstance(message, Busy) and "started again" in message.what for message in links.messages)
-        await links.until(lambda: links.link.status == "ready")
-
-    run(test)
-
-
-@pytest.mark.slow
 def test_the_next_engine_is_given_the_form_of_the_last_one_unless_a_design_was_opened(tmp_path: Path):
     mark = tmp_path / "mark"
 

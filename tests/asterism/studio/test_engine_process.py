@@ -10,15 +10,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-import asterism
 from asterism.studio.child import ENGINE, run_child
 from asterism.studio.messages import Edit, Frame, Ready, ShapeSummary, Sign
+from tests.asterism.studio.engine_pipe import table
 
 START_S = 180.0
-
-
-def table(**sections: Any) -> dict[str, Any]:
-    return asterism.new("dome").to_dict() | {"border": {"rings": 2}, "mesh": {"edge_mm": 5.0}} | sections
 
 
 @pytest.mark.slow
@@ -28,7 +24,8 @@ def test_an_engine_serves_in_a_process_gives_signs_and_ends_with_its_pipe() -> N
     process = context.Process(target=run_child, args=(ENGINE, 0, theirs), daemon=True)
     process.start()
     theirs.close()
-    ours.send(Edit(1, table()))
+    design = table(border={"rings": 2})
+    ours.send(Edit(1, design))
     answers: list[Any] = []
     while not (answers and isinstance(answers[-1], ShapeSummary)):
         assert ours.poll(START_S)
@@ -36,7 +33,7 @@ def test_an_engine_serves_in_a_process_gives_signs_and_ends_with_its_pipe() -> N
     assert any(isinstance(answer, Ready) for answer in answers)
     frame = next(answer for answer in answers if isinstance(answer, Frame))
     # forms travel to the server and back
-    ours.send(Edit(2, table(), is_opened=True, snapshot=frame.snapshot))
+    ours.send(Edit(2, design, is_opened=True, snapshot=frame.snapshot))
     while not (isinstance(answers[-1], Frame) and answers[-1].seq == 2):
         assert ours.poll(START_S)
         answers.append(ours.recv())

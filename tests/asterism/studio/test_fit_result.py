@@ -37,23 +37,14 @@ def shown(page: Page, studio: Studio) -> dict[str, Any]:
 
 
 @pytest.mark.slow
-def test_the_fitted_design_is_one_step_of_undo(client: TestClient, page: Page, studio: Studio) -> None:
-    before = shown(page, studio)
+def test_a_fitted_design_keeps_its_name_and_the_target_is_laid_on_a_free_sheet(
+    client: TestClient, page: Page, studio: Studio
+) -> None:
+    name = shown(page, studio)["name"]
     send_roof(client)
-    page.send(type="fit")
-    assert page.until("progress")["stage"] == "step 1, each star: 0.40 % of the diameter"
-    result = page.until("result", job="fit")
-    assert result["summary"] == {"needles": 6, "size_mm": 11.0} and result["revision"] == 1
-    assert studio.document is not None
-    table = studio.document.table
-    assert table["name"] == before["name"] and table["border"] == {"rings": 1}
-    target = studio.parts.target
-    assert target is not None and target.is_fitted and target.shift.tolist() == [0.0, 0.0, 5.0]
-    page.send(type="undo")
-    page.until("document", revision=0)
-    assert studio.document.table == before
-    page.send(type="fit", hold="nothing")  # the target is laid on a free sheet
-    assert page.until("result", job="fit")["summary"]["needles"] == 0
+    page.send(type="fit", hold="nothing")
+    assert page.until("result", job="fit")["summary"] == {"needles": 0, "size_mm": 11.0}
+    assert studio.document is not None and studio.document.table["name"] == name
     assert isinstance(studio.engine.link.edits[-1], FitTarget)  # type: ignore[attr-defined]
 
 

@@ -56,16 +56,6 @@ def test_one_job_runs_at_a_time_and_can_be_cancelled(page: Page, studio: Studio)
 
 
 @pytest.mark.slow
-def test_a_job_that_ends_without_a_result_is_named(page: Page, studio: Studio):
-    name_it(page, "die")
-    page.send(type="verify")
-    problem = page.until("problem")
-    assert "verify ended unexpectedly" in problem["text"] and problem["job"] == "verify"
-    assert page.until("result")["failed"]
-    assert page.until("state", jobs={})["engine"] == "ready"
-
-
-@pytest.mark.slow
 def test_files_of_an_export_can_be_downloaded_if_they_are_below_the_folder(
     page: Page, client: TestClient, folder: Path
 ):

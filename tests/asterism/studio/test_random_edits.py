@@ -39,7 +39,11 @@ CHANGES: list[dict[str, Any]] = [
     {"stars.length_mm": {"formula": "9 - "}},
     {"stars.thickness_mm": 0.4},
     {"stars.thickness_mm": 40.0},
+    {"stars.override": [{"star": 3, "length_mm": 6.0}]},
+    {"stars": None},
+    {"lattice.spacing_mm": 1e6},
     {"name": "another"},
+    {"name": None},
 ]
 
 

@@ -6,7 +6,6 @@ from pathlib import Path
 
 import pytest
 
-from asterism.pattern import gallery
 from asterism.pattern.layout.build import load_design
 from asterism.studio.examples import MAX_FILES
 from asterism.studio.file_names import shown_path
@@ -34,24 +33,6 @@ def test_a_gesture_is_one_step_of_undo(page: Page, studio: Studio):
     assert undone["design"] == first["design"] and undone["saved"] and undone["can_redo"]
     page.send(type="redo")
     assert page.until("document", revision=painted["revision"])["design"] == painted["design"]
-
-
-def test_saved_files_are_designs_and_unchanged_ones_keep_their_comments(page: Page, folder: Path):
-    original = gallery.path("dome").read_bytes()
-    page.until("document")
-    page.send(type="save")
-    page.until("saved")
-    assert (folder / "dome.toml").read_bytes() == original
-    page.send(type="remove", sites=[[0, 0]], gesture=1)
-    page.until("document", can_undo=True)
-    page.send(type="save", name="other")
-    page.until("saved")
-    assert len(load_design(folder / "other.toml").stars.override) == 1
-    page.send(type="undo")
-    page.until("document", can_undo=False)
-    page.send(type="save")
-    page.until("saved")
-    assert (folder / "other.toml").read_bytes() == original
 
 
 @pytest.mark.parametrize(

@@ -79,15 +79,6 @@ def test_a_shape_with_a_refused_number_is_not_used(page: StudioPage) -> None:
     assert page.get("studio.document.design") == design
 
 
-def test_a_corner_is_added_on_an_edge_and_deleted(page: StudioPage) -> None:
-    (ax, ay), (bx, by) = outline(page)[:2]
-    beside = ((3 * ax + bx) / 4, (3 * ay + by) / 4)  # the middle of the edge bends it
-    page.changed(lambda: page.drag(beside, (beside[0] - 6, beside[1] - 8)))
-    assert len(outline(page)) == 7
-    page.changed(lambda: page.page.keyboard.press("Delete"))
-    assert len(outline(page)) == 6
-
-
 def test_corners_snap_to_whole_millimetres_and_to_other_corners_unless_snapping_is_off(page: StudioPage) -> None:
     corner, other = outline(page)[0], outline(page)[3]
     page.changed(lambda: page.drag(corner, (corner[0] - 5.3, other[1] + 45.4)))
@@ -169,21 +160,6 @@ def test_holes_that_are_cut_at_once_are_all_there_and_supports_follow_their_numb
     (left,) = holes(page)
     page.changed(lambda: page.item("undo").click())
     assert holes(page)[1] == left and page.get("studio.document.plan.hole_rings") == [1, 1]
-
-
-def test_an_outline_is_an_ellipse_with_handles(page: StudioPage) -> None:
-    page.changed(lambda: page.item("shape-circle").click())
-    page.changed(lambda: page.fill("shape-width", 120))
-    page.changed(lambda: page.fill("shape-height", 120))
-    assert page.get("studio.document.design.border.circle_mm") == {"centre": [0, 0], "radius": 60}
-    page.page.keyboard.down("Shift")
-    page.changed(lambda: page.drag((0.0, 60.0), (0.0, 45.0)))
-    page.page.keyboard.up("Shift")
-    assert page.get("studio.document.design.border.circle_mm.radius") == [60, 45]
-    page.changed(lambda: page.fill("outline-width", 90))
-    assert page.get("studio.document.design.border.circle_mm.radius") == 45
-    page.changed(lambda: page.item("undo").click())
-    assert page.get("studio.document.design.border.circle_mm.radius") == [60, 45]
 
 
 def test_stars_whose_arms_an_edge_cuts_are_said(page: StudioPage) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
-from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -25,8 +24,6 @@ COVERED = """() => {
         .map((control) => control.textContent || control.dataset.testid);
 }"""
 BLOCKED = "WebSocket = class extends WebSocket { constructor(url) { super(String(url).replace('/live', '/no')); } }"
-
-BROKEN = "[stars]\nlength_mm = -1\n"
 
 
 def children(parent: int) -> list[int]:
@@ -58,20 +55,6 @@ def test_an_engine_that_ends_is_replaced_and_the_end_of_the_studio_is_told(brows
     made.close()
 
 
-def test_a_broken_connection_is_told_and_taken_up_again(new_flat: Callable[[], StudioPage]) -> None:
-    page = new_flat()
-    page.open_again("file-plain.toml")
-    sockets = page.live_sockets()
-    sizes = page.get("studio.sizes")
-    sockets[-1].close()
-    page.wait("!studio.connected")
-    page.wait("studio.connected && studio.document")
-    page.rest()
-    assert page.get("studio.sizes") == sizes
-    page.changed(lambda: page.drag((0, 0), (5, 5)))
-    assert page.get("studio.sizes") != sizes
-
-
 def test_a_file_that_changes_on_disk_is_followed_and_earlier_states_are_pictures(
     flat: StudioPage, folder: Path
 ) -> None:
@@ -90,20 +73,6 @@ def test_a_file_that_changes_on_disk_is_followed_and_earlier_states_are_pictures
     flat.page.keyboard.press("Escape")
     file.write_text("[stars", "utf-8")
     flat.wait("document.querySelector('[data-testid=problem]')?.textContent.includes('followed.toml')")
-
-
-def test_a_design_that_cannot_be_read_leaves_the_open_one(flat: StudioPage, folder: Path) -> None:
-    file = folder / "spoiled.toml"
-    file.write_text(SEVEN, "utf-8")
-    flat.open_again("file-plain.toml")
-    flat.item("open").click()
-    flat.item("file-spoiled.toml").wait_for()
-    file.write_text(SEVEN.replace("0.3", '"thin"'), "utf-8")
-    flat.item("file-spoiled.toml").click()
-    # the line goes away after a while
-    flat.wait("document.querySelector('[data-testid=problem]')?.textContent.includes('thickness_mm')")
-    flat.rest()
-    assert flat.get("studio.document.name") == "plain"
 
 
 def test_the_offer_of_unsaved_work_covers_no_control(flat: StudioPage, folder: Path) -> None:
@@ -141,30 +110,6 @@ def test_a_proxy_that_blocks_websockets_is_named(browser: Any, address: str) -> 
     page.goto(address)
     page.get_by_text("a proxy or a browser extension blocks it").wait_for(timeout=60_000)
     page.close()
-
-
-def test_another_stretch_is_learned(flat: StudioPage) -> None:
-    flat.open_again("file-even.toml")
-    flat.item("tab-sheet").click()
-    flat.fill("stretch", 1.5)
-    flat.rest()
-    flat.page.get_by_text("It learns other stretches when they are first used").wait_for()
-    assert flat.page.evaluate("studio.state.problem") is None
-
-
-def test_saving_asks_before_it_replaces_a_file_with_a_mistake(flat: StudioPage, folder: Path) -> None:
-    file = folder / "roof.toml"
-    file.write_text((folder / "canopy.toml").read_text(encoding="utf-8"), encoding="utf-8")
-    flat.open("file-roof.toml")
-    flat.item("tool-brush").click()
-    flat.changed(lambda: flat.drag((0, 0), (5, 5)))
-    file.write_text(BROKEN, encoding="utf-8")
-    flat.item("save").click()
-    flat.page.get_by_text("Nothing is written yet").wait_for()
-    assert file.read_text(encoding="utf-8") == BROKEN
-    flat.page.get_by_role("button", name="Keep mine").click()
-    flat.wait("studio.document.saved")
-    assert "override" in file.read_text(encoding="utf-8")
 
 
 def test_the_first_page_lists_a_design_that_is_put_into_the_folder_while_it_is_shown(
