@@ -278,8 +278,7 @@ class Engine:
             self._equilibrium_at = time.monotonic()
             self._equilibrium_sizes = preview.sheet.layout.site_sizes_mm
             snapshot = None if self._known.is_dragging else pickle.dumps(preview.snapshot())
-        seconds = {"since asked": self.bounds.seconds, **preview.seconds}
-        self._send(replace(frame, snapshot=snapshot, seconds=seconds))
+        self._send(replace(frame, snapshot=snapshot))
 
     def _show_blank(self, design: Design) -> None:
         """Send the flat sheet of a design without stars, and all that there is to know of it."""
@@ -326,7 +325,7 @@ class Engine:
         if self._inbox.has_waiting:
             raise Superseded
         frame = self._frames.fine(preview, seq)
-        self._send(replace(frame, snapshot=pickle.dumps(preview.snapshot()), seconds=preview.seconds))
+        self._send(replace(frame, snapshot=pickle.dumps(preview.snapshot())))
         others = other_forms(preview.state)
         self._send(rest_summary(seq, preview, shape, [form for form, _ in others]))
         for index, (_, trial) in enumerate(others):

@@ -75,7 +75,7 @@ class EngineFrames:
         if last.stage != EQUILIBRIUM or not view.shows(preview):
             return None
         frame = self._frame(view, preview, last.seq, EQUILIBRIUM, None, is_measured=not is_dragging)
-        return replace(frame, seconds=preview.seconds, is_again=True)
+        return replace(frame, is_again=True)
 
     def pose(self, seq: int) -> TargetPose | None:
         """The motion that lays the target on the last frame; None without either."""

@@ -39,7 +39,6 @@ class EngineLink:
     receive : called with each message of the engine that belongs to the last edit or an earlier one.
     changed : called when the status has changed.
     target : body of the process; tests put a quick one in its place.
-    max_silence_s : after so long without a sign, an engine that owes an answer is replaced.
     first : the first engine, if it has been started already.
     keeps_spare : a second engine loads everything and waits, so that a replacement costs no time.
     """
@@ -50,10 +49,8 @@ class EngineLink:
         changed: Callable[[], None],
         target: str = ENGINE,
         keeps_spare: bool = True,
-        max_silence_s: float = 5.0,
         first: Child | None = None,
     ) -> None:
-        self.max_silence_s = max_silence_s
         self._first = first
         self._receive, self._changed, self._target, self._keeps_spare = receive, changed, target, keeps_spare
         self._known: Edit | None = None  # the last one, with the form of its shape, for the next engine
@@ -141,7 +138,7 @@ class EngineLink:
         """Replace an engine that is silent although an answer is due; to be called now and then."""
         silent = time.monotonic() - max(self._child.last_sign, self._asked)
         # longer while it loads: a first start compiles for half a minute on an idle machine
-        patience = self.max_silence_s if self._child in self._loaded else 300.0
+        patience = 5.0 if self._child in self._loaded else 300.0
         if self._owes is not None and silent > patience:
             self._replace(f"the preview gave no sign for {patience:.0f} s and was started again")
 

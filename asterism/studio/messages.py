@@ -167,7 +167,6 @@ class Frame:
     mesh_arrays: dict[str, Array]
     is_minimum: bool = False
     height_mm: float = 0.0
-    seconds: dict[str, float] = field(default_factory=dict)
     target: dict[str, float] | None = None
     form: int | None = None
     is_again: bool = False
@@ -181,8 +180,7 @@ class Frame:
     @property
     def header(self) -> dict[str, Any]:
         """What pages get with the arrays."""
-        names = ("stage", "height_mm", "is_minimum", "seconds", *(["target"] if self.target else []))
-        return {name: getattr(self, name) for name in names}
+        return {"stage": self.stage, "height_mm": self.height_mm, **({"target": self.target} if self.target else {})}
 
 
 @dataclass(frozen=True)

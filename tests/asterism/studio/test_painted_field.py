@@ -13,7 +13,6 @@ from asterism.pattern.design.sizing.profiles import LinearProfile, PictureProfil
 from asterism.pattern.layout.build import layout
 from asterism.studio.document import Document
 from asterism.studio.painted_field import Brush, PaintedField
-from asterism.studio.requests import RequestError, read_request
 
 OUTLINE = np.array([[-20.0, -10.0], [30.0, -10.0], [30.0, 15.0], [-20.0, 15.0]])
 BRUSH = Brush(mode="set", radius=8.0, strength=1.0, value=0.9, low=0.05, high=5.0)
@@ -69,12 +68,6 @@ def test_smoothing_lowers_hills_and_leaves_an_even_field() -> None:
     assert PaintedField.of(0.4, OUTLINE).brushed(smooth, [[(0.0, 0.0)]]).profile == 0.4
 
 
-def test_the_design_file_has_the_field_to_a_255th_of_its_range() -> None:
-    field = PaintedField.of(0.4, OUTLINE).brushed(BRUSH, [[(5.5, 0.5)]])
-    stored = picture(field).at(field.places)
-    assert np.abs(stored - field.values.ravel()).max() <= 0.5 * (0.9 - 0.4) / 255 + 1e-4
-
-
 def test_a_field_begins_with_the_profile_that_is_there() -> None:
     profile = LinearProfile.model_validate(
         {"profile": "linear", "from": 0.3, "to": 0.8, "start_mm": (-20, 0), "end_mm": (30, 0)}
@@ -116,25 +109,7 @@ def test_a_stroke_beside_the_sheet_is_no_step_of_undo(grid: Document) -> None:
     assert not grid.history.position and grid.text == GRID
 
 
-def test_thickness_and_width_are_painted_apart(grid: Document) -> None:
-    grid.brush("thickness_mm", BRUSH, [[(0.0, 0.0)]])
-    grid.brush("width_mm", BRUSH.model_copy(update=dict(value=2.0)), [[(0.0, 0.0)]])
-    rods = Design.from_dict(grid.table).required_rods
-    assert isinstance(rods.thickness_mm, PictureProfile) and rods.thickness_mm.high == pytest.approx(0.9, abs=0.03)
-    assert isinstance(rods.width_mm, PictureProfile) and rods.width_mm.high == pytest.approx(2.0, abs=0.03)
-
-
 def test_sheets_of_stars_are_refused(tmp_path: Path) -> None:
     stars = Document({"stars": {"length_mm": 9.0}, "border": {"rings": 2}}, tmp_path / "a.toml")
     with pytest.raises(DesignError, match="the brush paints sizes of rods"):
         stars.brush("thickness_mm", BRUSH, [[(0.0, 0.0)]])
-
-
-def test_messages_of_the_brush_are_checked() -> None:
-    message = '{"type": "brush", "size": "width_mm", "mode": "set", "radius": 5, "strength": 1, "low": 0.1, "high": 9,'
-    request = read_request(message + ' "value": 2, "places": [[[0, 1]], [[2, 3], [-2, 3]]], "end": false}')
-    assert request.value == 2.0 and request.places[1] == [(2.0, 3.0), (-2.0, 3.0)]  # type: ignore[attr-defined]
-    with pytest.raises(RequestError):
-        read_request(message + ' "places": [[]]}')
-    with pytest.raises(RequestError):
-        read_request(message + ' "places": [[[NaN, 0]]]}')

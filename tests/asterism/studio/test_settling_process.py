@@ -84,7 +84,7 @@ def test_the_release_follows_and_says_whether_a_print_takes_another_form(ours: C
         assert released.other is None
     else:
         assert released.other is not None and released.apart_percent > 2.0
-        energies = [message.shown.numbers["energy_n_mm"] for message in (settled, released.other)]
+        energies = [pickle.loads(message.shape).summary["energy_n_mm"] for message in (settled, released.other)]
         assert released.energy_percent == pytest.approx(100.0 * (energies[1] / energies[0] - 1.0))
     # the same design with other parts is not computed again
     ours.send(Settle(3, held, ".", order.near, None, Parts(0, smooth=True, version=1), release=True))

@@ -59,24 +59,13 @@ def test_regular_outlines(page: StudioPage) -> None:
 
 
 def test_a_shape_with_a_refused_number_is_not_used(page: StudioPage) -> None:
-    design = page.get("studio.document.design")
-    page.changed(lambda: page.fill("shape-rings", 2))
-    page.changed(lambda: page.item("shape-rectangle").click())
-    for typed in ("-5", "nan", ""):
-        page.fill("shape-width", typed)
-        assert page.page.locator("[data-field='border.rectangle_mm'] .fault").is_visible()
-    assert page.get("studio.document.position") == 2  # the refused shapes have sent nothing
-    page.changed(lambda: page.item("undo").click())
-    page.changed(lambda: page.item("undo").click())
     page.fill("shape-rings", "2.5")
     fault = page.page.locator("[data-field='border.rings'] .fault")
     assert fault.inner_text() == "A whole number, please"
     page.item("shape-rings").fill("2")
     assert not fault.is_visible()  # at once, so that what is below does not move away under a click
     page.changed(lambda: page.item("shape-rings").press("Enter"))
-    assert page.get("studio.document.position") == 1  # the refused shapes have sent nothing
-    page.changed(lambda: page.item("undo").click())
-    assert page.get("studio.document.design") == design
+    assert page.get("studio.document.position") == 1  # the refused shape has sent nothing
 
 
 def test_corners_snap_to_whole_millimetres_and_to_other_corners_unless_snapping_is_off(page: StudioPage) -> None:
