@@ -136,10 +136,6 @@ class Engine:
         self._send(Busy(self.bounds.seq, text))
         self.bounds.wait()
 
-    @property
-    def _is_dragging(self) -> bool:
-        return self._known is not None and self._known.is_dragging
-
     # edits
 
     def _edit(self, edit: Edit) -> None:
@@ -295,7 +291,8 @@ class Engine:
     def _show_again(self, parts: Parts) -> None:
         """Send the last equilibrium with other parts; frames from now on have them too."""
         self._frames.set_parts(parts)
-        if (frame := self._frames.again(self._preview, self._is_dragging)) is not None:
+        is_dragging = self._known is not None and self._known.is_dragging
+        if (frame := self._frames.again(self._preview, is_dragging)) is not None:
             self._send(frame)
 
     def _lay_target(self) -> None:

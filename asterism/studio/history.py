@@ -136,14 +136,15 @@ class Thumbnails:
 def thumbnail(layout: Layout) -> dict[str, Any]:
     """Outline, places and sizes of the stars (mm), for a small picture."""
     return {
-        "outline_mm": _rounded(layout.outline),
-        "at_mm": _rounded(layout.lattice.place(layout.sheet_sites)),
-        "sizes_mm": _rounded(layout.site_sizes_mm),
+        "outline_mm": rounded(layout.outline, 2),
+        "at_mm": rounded(layout.lattice.place(layout.sheet_sites), 2),
+        "sizes_mm": rounded(layout.site_sizes_mm, 2),
     }
 
 
-def _rounded(values: Any) -> list[Any]:
-    plain: list[Any] = np.round(np.asarray(values, dtype=float), 2).tolist()
+def rounded(values: Any, digits: int = 5) -> list[Any]:
+    """An array of floats as lists for a page."""
+    plain: list[Any] = np.round(np.asarray(values, dtype=float), digits).tolist()
     return plain
 
 

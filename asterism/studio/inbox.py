@@ -34,13 +34,17 @@ class Inbox:
     Parameters
     ----------
     receive : returns the next message, and raises `EOFError` or `OSError` at the end. It is called in a thread.
+
+    Attributes
+    ----------
+    is_closed : nobody asks any more.
     """
 
     def __init__(self, receive: Callable[[], Any]) -> None:
         self._waiting: deque[Any] = deque()
         self._parts: Parts | None = None
         self._cancelled = -1
-        self._is_closed = False
+        self.is_closed = False
         self._changed = threading.Condition()
         threading.Thread(target=self._read, args=(receive,), daemon=True).start()
 
@@ -51,7 +55,7 @@ class Inbox:
         except (EOFError, OSError):
             pass
         with self._changed:
-            self._is_closed = True
+            self.is_closed = True
             self._changed.notify_all()
 
     def _put(self, message: Any) -> None:
@@ -71,19 +75,14 @@ class Inbox:
     def take(self, seconds: float | None = None) -> Any:
         """The next message; None after so many seconds without one, or at the end."""
         with self._changed:
-            self._changed.wait_for(lambda: self._waiting or self._parts or self._is_closed, seconds)
-            if self._is_closed:
+            self._changed.wait_for(lambda: self._waiting or self._parts or self.is_closed, seconds)
+            if self.is_closed:
                 return None
             parts = self._parts
             if parts is not None and not (self._waiting and isinstance(self._waiting[0], Edit)):
                 self._parts = None
                 return parts
             return self._waiting.popleft() if self._waiting else None
-
-    @property
-    def is_closed(self) -> bool:
-        """Nobody asks any more."""
-        return self._is_closed
 
     @property
     def has_waiting(self) -> bool:

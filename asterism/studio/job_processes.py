@@ -260,7 +260,7 @@ def run_settling(connection: Connection) -> None:
                 known = ExactForms(order, design, connection)
             connection.send(known.settled(order))
             # the release begins when the exact shape has been left alone for a second
-            if order.release and (known.has_release or not connection.poll(1.0)):
+            if order.release and (known.release is not None or not connection.poll(1.0)):
                 connection.send(known.released(order))
         except _Newer:
             continue
@@ -292,16 +292,11 @@ class ExactForms:
         self._near: Shape | None = None if order.near is None else pickle.loads(order.near)
         self._search = shared_search(design, self._plan)
         self._exact = self._solved("exact shape", order.job, self._near)
-        self._release: tuple[Released, Shape | None] | None = None  # with the other shape
+        self.release: tuple[Released, Shape | None] | None = None  # with the other shape, as soon as it is known
 
     def is_of(self, order: Settle) -> bool:
         """Whether an order is about the same design and preview."""
         return self._order.near == order.near and self._order.table == order.table
-
-    @property
-    def has_release(self) -> bool:
-        """Whether the release is known already."""
-        return self._release is not None
 
     def settled(self, order: Settle) -> Settled:
         """The exact shape that follows the preview."""
@@ -309,7 +304,7 @@ class ExactForms:
 
     def released(self, order: Settle) -> Released:
         """The shape that the release from the flat print leads to."""
-        self._release = release, shape = self._release or self._released_from_print(order.job)
+        self.release = release, shape = self.release or self._released_from_print(order.job)
         other = None if shape is None else self._message(order, shape)
         return replace(release, job=order.job, other=other)
 

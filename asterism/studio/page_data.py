@@ -21,6 +21,7 @@ from asterism.print.printer import load_plastic, load_printer, readable_profiles
 from asterism.studio.design_file import KeptFileError
 from asterism.studio.document import Document
 from asterism.studio.file_names import shown_path
+from asterism.studio.history import rounded
 from asterism.studio.messages import Limits, mistake_parts
 from asterism.studio.requests import RequestError
 from asterism.studio.star_sizes import PLAIN_WEIGHT, entries_by_site, weights_by_site
@@ -207,37 +208,32 @@ def plan_data(layout: Layout, painted_sites: set[Site], weights: Mapping[Site, f
             "weight": weights.get(tuple(site), PLAIN_WEIGHT),
         }
         for site, at, sizes in zip(
-            layout.sheet_sites.tolist(), _plain(places), _plain(layout.site_sizes_mm), strict=True
+            layout.sheet_sites.tolist(), rounded(places), rounded(layout.site_sizes_mm), strict=True
         )
     ]
     ends = np.stack([layout.centres[layout.arm_star], layout.arm_tip], axis=1)
-    for number, arm in zip(layout.star_number[layout.arm_star].tolist(), _plain(ends), strict=True):
+    for number, arm in zip(layout.star_number[layout.arm_star].tolist(), rounded(ends), strict=True):
         sites[number]["arms"].append(arm)
     return {
-        "outline_mm": _plain(layout.outline),
+        "outline_mm": rounded(layout.outline),
         "spacing_mm": layout.spacing_mm,
         "sites": sites,
         "rods": [
             {
                 "name": rod.name,
-                "points_mm": _plain(rod.points),
-                "thickness_mm": _plain(rod.thickness),
-                "width_mm": _plain(rod.width),
+                "points_mm": rounded(rod.points),
+                "thickness_mm": rounded(rod.thickness),
+                "width_mm": rounded(rod.width),
             }
             for rod in layout.drawn_rods
         ],
-        "holes_mm": [_plain(ring) for ring in layout.holes],
+        "holes_mm": [rounded(ring) for ring in layout.holes],
         "pins": [
             {
-                "points_mm": _plain(pins.points),
-                "edges": [_plain(np.array(segment)) for segment in pins.segments(layout.edges)],
-                "places_mm": _plain(pins.places(pins.points)),
+                "points_mm": rounded(pins.points),
+                "edges": [rounded(np.array(segment)) for segment in pins.segments(layout.edges)],
+                "places_mm": rounded(pins.places(pins.points)),
             }
             for pins in layout.pins
         ],
     }
-
-
-def _plain(values: Any) -> list[Any]:
-    rounded: list[Any] = np.round(np.asarray(values, dtype=float), 5).tolist()
-    return rounded

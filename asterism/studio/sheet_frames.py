@@ -12,7 +12,6 @@ from asterism.draw.ribbons import ribbons
 from asterism.equilibrium.arrays import Array, Floats, Ints
 from asterism.pattern.design.design import Design
 from asterism.pattern.geometry.normals import sum_at_vertices, vertex_normals
-from asterism.pattern.geometry.planar import is_in_sorted
 from asterism.pattern.geometry.point_location import TriangleFinder, clipped
 from asterism.pattern.geometry.rigid_fit import rigid_fit
 from asterism.pattern.layout.build import layout
@@ -20,7 +19,7 @@ from asterism.pattern.layout.layout import Layout, off_sheet_mm
 from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.shape.cell_mean import CellMean
 from asterism.shape.shape import Shape, blank_sheet
-from asterism.shape.surface_fields import surface_triangle_areas
+from asterism.shape.surface_fields import border_edges, surface_triangle_areas
 from asterism.studio.messages import Frame
 
 STATIONS = 5  # along each ribbon
@@ -199,23 +198,8 @@ def _between(ends: Floats, share: Floats) -> Floats:
 
 def mesh_arrays(printed: Floats, triangles: Ints, arm_site: Ints) -> dict[str, Array]:
     """The arrays of a mesh: points (V, 2) mm, triangles (T, 3), and the row of the site of each ribbon (A,)."""
-    whole = {"triangles": triangles, "outline": outline_of(triangles), "arm_site": arm_site}
+    whole = {"triangles": triangles, "outline": border_edges(triangles), "arm_site": arm_site}
     return {"printed": printed.astype(np.float32), **{name: part.astype(np.uint32) for name, part in whole.items()}}
-
-
-def outline_of(triangles: Ints) -> Ints:
-    """(E, 2) edges around a sheet of triangles (T, 3) and its holes; the sheet is to their left.
-
-    Examples
-    --------
-    >>> sorted(outline_of(np.array([[0, 1, 2], [0, 2, 3]])).tolist())
-    [[0, 1], [1, 2], [2, 3], [3, 0]]
-    """
-    edges = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]).astype(np.int64)
-    size = int(edges.max()) + 1
-    there: Ints = edges[:, 0] * size + edges[:, 1]
-    back: Ints = edges[:, 1] * size + edges[:, 0]
-    return np.asarray(edges[~is_in_sorted(there, np.sort(back))])
 
 
 def shape_frame(shape: Shape, stage: str = "equilibrium") -> Frame:

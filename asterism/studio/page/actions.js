@@ -2,7 +2,7 @@
 
 import { isLong } from "./badge.js";
 import { borderOf } from "./border.js";
-import { isDark } from "./dom.js";
+import { h, isDark } from "./dom.js";
 import { askUnit, openDrawing } from "./panels/drawing.js";
 import { openExport } from "./panels/export.js";
 import { openHistory } from "./panels/history.js";
@@ -72,9 +72,7 @@ export function createActions(studio) {
     },
     /** Fits outline, stars and supports to the target; `hold` is "auto", "border" or "nothing". */
     fitToTarget: (hold) => begin("fit", { hold }),
-    choose(tool) {
-      store.set({ tool, page: "tool", hover: null });
-    },
+    choose: (tool) => store.set({ tool, page: "tool", hover: null }),
     showPage: (page) => store.set({ page }),
     showPlace({ stars = [], at_mm: at }) {
       const sheet = store.get("sheet");
@@ -84,9 +82,7 @@ export function createActions(studio) {
       const place = at ?? known[0]?.at;
       if (place) studio.plan.show(place);
     },
-    selectAll() {
-      store.set({ selection: new Set(store.get("sheet")?.stars.map((star) => star.key)) });
-    },
+    selectAll: () => store.set({ selection: new Set(store.get("sheet")?.stars.map((star) => star.key)) }),
     /** The selected stars that are there; without a selection that of the keyboard. */
     chosen() {
       const keys = store.get("selection").size ? [...store.get("selection")] : [store.get("cursor")];
@@ -135,9 +131,7 @@ export function createActions(studio) {
       const stop = () => ends.forEach((end) => end());
       fitPlan();
     },
-    switchTheme() {
-      store.set({ theme: isDark() ? "light" : "dark" });
-    },
+    switchTheme: () => store.set({ theme: isDark() ? "light" : "dark" }),
     upload,
     chooseDrawing: () => choose("drawing", ".svg,.dxf,.3dm", actions.takeDrawing),
     /** On the first page, a drawing begins a design of its own. */
@@ -160,17 +154,14 @@ export function createActions(studio) {
   }
 
   function choose(kind, accept, take) {
-    const input = document.createElement("input");
-    Object.assign(input, { type: "file", accept });
-    input.dataset.testid = `file-${kind}`;
-    input.hidden = true;
-    document.body.append(input);
-    input.addEventListener("change", () => {
+    const onchange = () => {
       const [file] = input.files;
       input.remove();
       if (file) take(file);
-    });
-    input.addEventListener("cancel", () => input.remove());
+    };
+    const oncancel = () => input.remove();
+    const input = h("input", { type: "file", accept, testid: `file-${kind}`, hidden: true, onchange, oncancel });
+    document.body.append(input);
     input.click();
   }
 

@@ -142,55 +142,41 @@ export function needlesPanel({ store, edits, tools }, { on }) {
   function whole(now, number, table) {
     const change = (patch) => send(withTable(now.tables, number, patch));
     const [x, y, z] = table.offset_mm ?? [0, 0, 0];
-    const isList = isPoints(table);
-    const parts = [section("All places of this support")];
-    if (canSplit(table, now.pins[number]))
-      parts.push(
-        wide("Split into single needles", "split-support", () => {
-          send(split(now.tables, now.pins, number));
-          choose({ table: number, point: 0 });
-        }),
-      );
-    if (isList && table.points_mm.length > 1)
-      parts.push(
-        wide("Choose all of them", "choose-needles", () => {
-          const [first, ...also] = table.points_mm.map((_, point) => ({ table: number, point }));
-          choose({ ...first, also });
-        }),
-      );
-    if (isList && table.target_mm && table.points_mm.length > 1) {
-      parts.push(
-        numberField({
-          ...SPREAD,
-          value: spreadOf(table),
-          digits: 3,
-          testid: "support-spread",
-          field: "pins.target_mm",
-          onchange: (value) => send(withSpread(now.tables, number, value)),
-        }),
-        hint(ABOUT_SPREAD),
-      );
-    } else if (!table.target_mm) {
-      parts.push(
-        numberField({
-          ...SPREAD,
-          value: table.scale ?? 1,
-          testid: "support-scale",
-          field: "pins.scale",
-          onchange: (value) => change({ scale: value }),
-        }),
-        hint(ABOUT_SPREAD),
-        numberField({
-          ...PLACE,
-          label: "Height",
-          value: z,
-          digits: 1,
-          testid: "support-height",
-          field: "pins.offset_mm",
-          onchange: (value) => change({ offset_mm: [x, y, value] }),
-        }),
-      );
-    }
+    const isList = isPoints(table) && table.points_mm.length > 1;
+    const divide = () => {
+      send(split(now.tables, now.pins, number));
+      choose({ table: number, point: 0 });
+    };
+    const chooseAll = () => {
+      const [first, ...also] = table.points_mm.map((_, point) => ({ table: number, point }));
+      choose({ ...first, also });
+    };
+    const spread = (values) => [numberField({ ...SPREAD, ...values }), hint(ABOUT_SPREAD)];
+    const ofTargets = () =>
+      spread({
+        value: spreadOf(table),
+        digits: 3,
+        testid: "support-spread",
+        field: "pins.target_mm",
+        onchange: (value) => send(withSpread(now.tables, number, value)),
+      });
+    const ofScale = () => [
+      spread({
+        value: table.scale ?? 1,
+        testid: "support-scale",
+        field: "pins.scale",
+        onchange: (value) => change({ scale: value }),
+      }),
+      numberField({
+        ...PLACE,
+        label: "Height",
+        value: z,
+        digits: 1,
+        testid: "support-height",
+        field: "pins.offset_mm",
+        onchange: (value) => change({ offset_mm: [x, y, value] }),
+      }),
+    ];
     const slide = choice({
       label: "Sliding",
       testid: "support-slide",
@@ -204,7 +190,14 @@ export function needlesPanel({ store, edits, tools }, { on }) {
       testid: "support-step",
       onchange: (value) => change({ step: value ? 1 : undefined }),
     });
-    return [...parts, labelled("Sliding", slide), later];
+    return [
+      section("All places of this support"),
+      canSplit(table, now.pins[number]) && wide("Split into single needles", "split-support", divide),
+      isList && wide("Choose all of them", "choose-needles", chooseAll),
+      table.target_mm ? isList && ofTargets() : ofScale(),
+      labelled("Sliding", slide),
+      later,
+    ];
   }
 
   on(["sheet", "support"], update);

@@ -10,6 +10,8 @@ const TOP_PX = 56; // below the bar
 const BOTTOM_PX = 104; // above scale bar and legend
 const MIN_SCALE = 0.2; // px per mm
 const MAX_SCALE = 80;
+const DRAWN =
+  "sheet selection hover cursor planColour grid printArea brush weightBrush support corner hole theme symmetry tool state";
 
 export class PlanCanvas {
   #isPressed = false;
@@ -43,25 +45,7 @@ export class PlanCanvas {
       wheel: (event) => this.#wheel(event),
     });
     canvas.addEventListener("dblclick", tell("double"));
-    const drawn = [
-      "sheet",
-      "selection",
-      "hover",
-      "cursor",
-      "planColour",
-      "grid",
-      "printArea",
-      "brush",
-      "weightBrush",
-      "support",
-      "corner",
-      "hole",
-      "theme",
-      "symmetry",
-      "tool",
-      "state",
-    ];
-    store.on(drawn, () => this.invalidate());
+    store.on(DRAWN.split(" "), () => this.invalidate());
     store.on(["printArea"], () => this.fit());
     matchMedia(DARK).addEventListener("change", () => this.invalidate());
   }

@@ -2,7 +2,7 @@
 
 import { clamp } from "../geometry.js";
 
-const FIELD_DEG = 26;
+const SLOPE = Math.tan((13 * Math.PI) / 180); // half of the picture's height over the distance
 const BORDER = 1.12; // of a picture that shows all, over what is shown
 const MAX_PITCH = Math.PI / 2;
 
@@ -20,10 +20,12 @@ export const VIEWS = {
 export class Camera {
   target = [0, 0, 0];
   distance = 300;
-  turn = (VIEWS.perspective.turn * Math.PI) / 180;
-  pitch = (VIEWS.perspective.pitch * Math.PI) / 180;
   isOrthographic = false;
   isOwn = false; // turned, moved or zoomed by hand since it was last asked to show all
+
+  constructor() {
+    this.look("perspective");
+  }
 
   /** Directions of the camera in space: to the right, upwards, and towards the eye. */
   get axes() {
@@ -53,7 +55,7 @@ export class Camera {
 
   pan(dx, dy, height) {
     this.isOwn = true;
-    const scale = (2 * this.distance * Math.tan((FIELD_DEG * Math.PI) / 360)) / height;
+    const scale = this.pixelMm(height);
     const { right, up } = this.axes;
     this.target = this.target.map((value, k) => value - scale * (dx * right[k] - dy * up[k]));
   }
@@ -67,12 +69,8 @@ export class Camera {
   fit(positions, aspect) {
     if (!positions.length) return;
     const { right, up, towards } = this.axes;
-    const half = Math.tan((FIELD_DEG * Math.PI) / 360);
     // a point at x aside is seen at a share x / (distance - z) of `slope`; the largest shares of both sides are equal
-    const spans = [
-      [right, half * aspect],
-      [up, half],
-    ].map(([axis, slope]) => {
+    const spans = [[right, SLOPE * aspect], [up, SLOPE]].map(([axis, slope]) => {
       let [low, high] = [-Infinity, -Infinity];
       const depth = this.isOrthographic ? 0 : slope / BORDER;
       for (let k = 0; k < positions.length; k += 3) {
@@ -118,16 +116,15 @@ export class Camera {
       [right[2], up[2], towards[2], 0],
       [-dot(right, eye), -dot(up, eye), -dot(towards, eye), 1],
     ].flat();
-    const half = Math.tan((FIELD_DEG * Math.PI) / 360);
     const [near, far] = [Math.max(0.5, this.distance / 40), this.distance * 8 + 4000];
     let projection;
     if (this.isOrthographic) {
-      const size = half * this.distance;
+      const size = SLOPE * this.distance;
       // depth from -1 to 1 over twice `far`, centred on the target, so that nothing is cut off
       projection = [1 / (size * aspect), 0, 0, 0, 0, 1 / size, 0, 0, 0, 0, -1 / far, 0, 0, 0, -this.distance / far, 1];
     } else {
       const [a, b] = [(far + near) / (near - far), (2 * far * near) / (near - far)];
-      projection = [1 / (half * aspect), 0, 0, 0, 0, 1 / half, 0, 0, 0, 0, a, -1, 0, 0, b, 0];
+      projection = [1 / (SLOPE * aspect), 0, 0, 0, 0, 1 / SLOPE, 0, 0, 0, 0, a, -1, 0, 0, b, 0];
     }
     return { matrix: new Float32Array(multiply(projection, view)), eye, towards, isOrthographic: this.isOrthographic };
   }
@@ -135,8 +132,7 @@ export class Camera {
   /** Ray through a place of the picture, from -1 to 1 in both directions. */
   ray([px, py], aspect) {
     const { right, up, towards } = this.axes;
-    const half = Math.tan((FIELD_DEG * Math.PI) / 360);
-    const [a, b] = [px * aspect * half, py * half];
+    const [a, b] = [px * aspect * SLOPE, py * SLOPE];
     if (this.isOrthographic) {
       const start = this.eye.map((value, k) => value + this.distance * (a * right[k] + b * up[k]));
       return { start, direction: towards.map((value) => -value) };
@@ -148,7 +144,7 @@ export class Camera {
   /** Place in the picture, -1 to 1, of a point in space. */
   project(point, aspect) {
     const { matrix } = this.frame(aspect);
-    const [x, y, , w] = [0, 1, 2, 3].map(
+    const [x, y, w] = [0, 1, 3].map(
       (row) => matrix[row] * point[0] + matrix[4 + row] * point[1] + matrix[8 + row] * point[2] + matrix[12 + row],
     );
     return [x / w, y / w];
@@ -156,7 +152,7 @@ export class Camera {
 
   /** Millimetres of a pixel at the target. */
   pixelMm(height) {
-    return (2 * this.distance * Math.tan((FIELD_DEG * Math.PI) / 360)) / height;
+    return (2 * this.distance * SLOPE) / height;
   }
 }
 
