@@ -280,7 +280,8 @@ def _kinds(of: type[Request]) -> Iterator[type[Request]]:
         yield from _kinds(kind)
 
 
-_REQUESTS: TypeAdapter[Request] = TypeAdapter(Annotated[Union[*_kinds(Request)], Field(discriminator="type")])
+_ANY: Any = Annotated[Union[*_kinds(Request)], Field(discriminator="type")]
+_REQUESTS: TypeAdapter[Request] = TypeAdapter(_ANY)
 
 
 def read_request(text: str) -> Request:
