@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 HOST = "127.0.0.1:7000"
 TOKEN = "a-token-of-the-tests"
+LIVE, ORIGIN = f"ws://{HOST}/{TOKEN}/live", {"origin": f"http://{HOST}"}
 # Seconds after which a message that does not come fails the test.
 PATIENCE_S = 300.0
 
@@ -92,6 +93,11 @@ class Page:
         raise AssertionError(f"no message {kind} with {values}")
 
 
+def upload(client: TestClient, kind: str, name: str, content: bytes) -> Any:
+    """The answer to a file of a page."""
+    return client.post(f"/{TOKEN}/upload?kind={kind}", content=content, headers={**ORIGIN, "x-name": name})
+
+
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     text = gallery.path("dome").read_text(encoding="utf-8")
@@ -112,7 +118,7 @@ def client(studio: Studio) -> Iterator[TestClient]:
 
 @pytest.fixture
 def page(client: TestClient) -> Iterator[Page]:
-    with client.websocket_connect(f"ws://{HOST}/{TOKEN}/live", headers={"origin": f"http://{HOST}"}) as socket:
+    with client.websocket_connect(LIVE, headers=ORIGIN) as socket:
         yield Page(socket)
 
 

@@ -12,7 +12,7 @@ from asterism.pattern import gallery
 from asterism.studio import jobs
 from asterism.studio.messages import Edit
 from asterism.studio.studio import Studio
-from tests.asterism.studio.conftest import HOST, TOKEN, Page
+from tests.asterism.studio.conftest import Page, upload
 from tests.asterism.studio.flat_frames import flat_frame
 from tests.asterism.studio.quick_engines import GATE
 from tests.asterism.studio.test_target import ROOF
@@ -87,8 +87,7 @@ def test_what_a_page_asks_for_a_design_is_refused_when_another_one_is_open(
     assert other.read_text(encoding="utf-8") == text
     assert studio.document is not None and studio.document.number == cone["number"] != dome["number"]
     assert not studio.document.history.can_undo
-    send = f"/{TOKEN}/upload?kind=target&document={dome['number']}"
-    answer = client.post(send, content=ROOF.encode(), headers={"origin": f"http://{HOST}", "x-name": "roof.obj"})
+    answer = upload(client, f"target&document={dome['number']}", "roof.obj", ROOF.encode())
     assert "another design is open now" in answer.json()["problem"]["text"] and studio.parts.target is None
     page.send(type="save", name="star", over=True, document=cone["number"])
     page.until("saved")

@@ -16,7 +16,7 @@ from asterism.pattern import gallery
 from asterism.studio.page_data import SERVER_MISTAKE
 from asterism.studio.server import application
 from asterism.studio.studio import Studio
-from tests.asterism.studio.conftest import HOST, TOKEN, Page
+from tests.asterism.studio.conftest import HOST, LIVE, ORIGIN, TOKEN, Page
 
 EDITS = int(os.environ.get("ASTERISM_RANDOM_EDITS", "120"))
 # Seconds for one answer of the server, and for the engine to come to rest, on a machine with other work.
@@ -84,7 +84,7 @@ def test_random_edits_are_answered_and_undone(tmp_path: Path):
     app = application(studio, TOKEN, frozenset({HOST}))
     with (
         TestClient(app, base_url=f"http://{HOST}") as client,
-        client.websocket_connect(f"ws://{HOST}/{TOKEN}/live", headers={"origin": f"http://{HOST}"}) as socket,
+        client.websocket_connect(LIVE, headers=ORIGIN) as socket,
     ):
         page = Page(socket)
         first = page.until("document")

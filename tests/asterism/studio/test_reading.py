@@ -7,13 +7,12 @@ import time
 from contextlib import suppress
 from multiprocessing.connection import Connection
 from pathlib import Path
-from typing import Any
 
 import pytest
 from starlette.testclient import TestClient
 
 from asterism.studio import uploads
-from tests.asterism.studio.conftest import HOST, TOKEN, Page
+from tests.asterism.studio.conftest import Page, upload
 
 
 def read_for_ever(connection: Connection, kind: str, path: Path, name: str, units: str | None) -> None:
@@ -25,11 +24,6 @@ def need_memory(connection: Connection, kind: str, path: Path, name: str, units:
     os._exit(9)
 
 
-def send(client: TestClient) -> Any:
-    place = f"/{TOKEN}/upload?kind=drawing"
-    return client.post(place, content=b"<svg/>", headers={"origin": f"http://{HOST}", "x-name": "heavy.svg"})
-
-
 @pytest.mark.slow
 def test_a_file_that_takes_too_long_is_left_and_its_process_ends(
     client: TestClient, page: Page, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -38,7 +32,7 @@ def test_a_file_that_takes_too_long_is_left_and_its_process_ends(
     monkeypatch.setenv("ASTERISM_TEST_GATE", str(tmp_path / "started"))
     monkeypatch.setattr(uploads, "_READER", f"{__name__}:read_for_ever")
     monkeypatch.setattr(uploads, "MAX_READ_S", 10.0)
-    answer = send(client)
+    answer = upload(client, "drawing", "heavy.svg", b"<svg/>")
     assert answer.status_code == 422 and "heavy.svg: is not read after 10 s" in answer.json()["problem"]["text"]
     (started,) = (tmp_path / "started").iterdir()
     time.sleep(0.5)
@@ -51,4 +45,5 @@ def test_a_file_that_takes_too_long_is_left_and_its_process_ends(
 @pytest.mark.slow
 def test_a_process_that_is_ended_for_its_memory_is_named(client: TestClient, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(uploads, "_READER", f"{__name__}:need_memory")
-    assert send(client).json()["problem"]["text"] == "heavy.svg: needs too much memory: simplify it"
+    answer = upload(client, "drawing", "heavy.svg", b"<svg/>")
+    assert answer.json()["problem"]["text"] == "heavy.svg: needs too much memory: simplify it"

@@ -15,11 +15,9 @@ from asterism.studio.pages import MAX_TABS
 from asterism.studio.requests import MAX_REQUEST_BYTES
 from asterism.studio.studio import Studio
 from asterism.studio.uploads import MAX_UPLOAD_BYTES
-from tests.asterism.studio.conftest import HOST, TOKEN, Page
+from tests.asterism.studio.conftest import HOST, LIVE, ORIGIN, TOKEN, Page, upload
 from tests.asterism.studio.test_uploads import dxf
 
-LIVE = f"ws://{HOST}/{TOKEN}/live"
-ORIGIN = {"origin": f"http://{HOST}"}
 STRANGER = {"origin": "http://evil.example"}
 
 
@@ -46,12 +44,12 @@ def test_another_page_is_refused(client: TestClient, studio: Studio):
         with pytest.raises(WebSocketDisconnect), client.websocket_connect(path, headers=headers):
             pass
     assert len(studio.tabs) == 0
-    upload = f"/{TOKEN}/upload?kind=image"
-    assert client.post(upload, content=b"x", headers=STRANGER).status_code == 403
-    assert client.post(upload, content=b"x").status_code == 403
+    place = f"/{TOKEN}/upload?kind=image"
+    assert client.post(place, content=b"x", headers=STRANGER).status_code == 403
+    assert client.post(place, content=b"x").status_code == 403
     assert client.get(f"/{TOKEN}/file/dome.toml", headers=STRANGER).status_code == 403
     for kind in ("", "law", "image&kind=exe"):
-        assert client.post(f"/{TOKEN}/upload?kind={kind}", content=b"x", headers=ORIGIN).status_code == 404
+        assert upload(client, kind, "", b"x").status_code == 404
 
 
 def test_files_can_only_be_read(client: TestClient, folder: Path):
@@ -176,7 +174,7 @@ UNREADABLE = [
 @pytest.mark.slow
 def test_uploads_that_cannot_be_read_are_refused_in_one_line(client: TestClient):
     for kind, name, content in UNREADABLE:
-        answer = client.post(f"/{TOKEN}/upload?kind={kind}", content=content, headers={**ORIGIN, "x-name": name})
+        answer = upload(client, kind, name, content)
         assert answer.status_code == 422, (kind, name, content)
         text = answer.json()["problem"]["text"]
         assert text and not any(word in text for word in ("\n", "root:", "tmp", "upload")), (kind, name, content)

@@ -13,7 +13,7 @@ from asterism.studio.messages import FitTarget, Parts, TargetPose
 from asterism.studio.studio import Studio
 from asterism.studio.target import TARGET
 from tests.asterism.fitting.test_load_target import nurbs_vault, rhino_file
-from tests.asterism.studio.conftest import HOST, TOKEN, Page
+from tests.asterism.studio.conftest import LIVE, ORIGIN, TOKEN, Page, upload
 from tests.asterism.studio.flat_frames import unpack
 
 # twelve by nine points
@@ -23,10 +23,7 @@ ROOF = "".join(f"v {x} {y} {z}\n" for x, y, z in GRID) + "".join(f"f {a} {b} {c}
 
 
 def send_roof(client: TestClient, name: str = "roof.obj") -> dict[str, Any]:
-    headers = {"origin": f"http://{HOST}", "x-name": name}
-    answer = client.post(f"/{TOKEN}/upload?kind=target", content=ROOF.encode(), headers=headers)
-    assert answer.status_code == 200, answer.text
-    data: dict[str, Any] = answer.json()["target"]
+    data: dict[str, Any] = upload(client, "target", name, ROOF.encode()).json()["target"]
     return data
 
 
@@ -74,7 +71,7 @@ def test_the_engine_sends_the_sheet_without_bumps_while_a_page_shows_it(client: 
     page.send(type="bumps", shown=False)
     is_done(page)
     assert asked[-1] == Parts(asked[-1].seq, smooth=True)
-    with client.websocket_connect(f"ws://{HOST}/{TOKEN}/live", headers={"origin": f"http://{HOST}"}) as socket:
+    with client.websocket_connect(LIVE, headers=ORIGIN) as socket:
         other = Page(socket)
         other.send(type="bumps", shown=False)
         is_done(other)
@@ -88,10 +85,7 @@ def test_a_surface_of_rhino_is_a_target_in_mm(client: TestClient, page: Page, st
     rhino3dm = pytest.importorskip("rhino3dm")
     page.until("shape")
     content = rhino_file(tmp_path / "vault.3dm", Surface=nurbs_vault(rhino3dm)).read_bytes()
-    headers = {"origin": f"http://{HOST}", "x-name": "vault.3dm"}
-    answer = client.post(f"/{TOKEN}/upload?kind=target", content=content, headers=headers)
-    assert answer.status_code == 200, answer.text
-    data = answer.json()["target"]
+    data = upload(client, "target", "vault.3dm", content).json()["target"]
     assert data["unit"] == "mm" and data["size_mm"][:2] == pytest.approx([100.0, 100.0])
-    answer = client.post(f"/{TOKEN}/upload?kind=target", content=content[:200], headers=headers)
+    answer = upload(client, "target", "vault.3dm", content[:200])
     assert answer.json()["problem"]["text"] == "vault.3dm: cannot be read as 3DM: the file is damaged or cut short"

@@ -10,18 +10,10 @@ import numpy as np
 import pytest
 from starlette.testclient import TestClient
 
-from tests.asterism.studio.conftest import HOST, TOKEN
+from tests.asterism.studio.conftest import upload
 
-ORIGIN = {"origin": f"http://{HOST}"}
 SQUARE = [(10.0, 20.0), (110.0, 20.0), (110.0, 80.0), (10.0, 80.0)]
 CENTRED = {(-50.0, -30.0), (50.0, -30.0), (50.0, 30.0), (-50.0, 30.0)}
-
-
-def sent(client: TestClient, kind: str, name: str, content: bytes) -> dict[str, Any]:
-    answer = client.post(f"/{TOKEN}/upload?kind={kind}", content=content, headers={**ORIGIN, "x-name": name})
-    assert answer.status_code == 200, answer.text
-    data: dict[str, Any] = answer.json()
-    return data
 
 
 def dxf(draw: Any, unit: int = 4) -> bytes:
@@ -49,9 +41,9 @@ def test_an_outline_in_svg_or_dxf_is_centred(client: TestClient):
     svg = b'<svg xmlns="http://www.w3.org/2000/svg" width="200mm" height="200mm" viewBox="0 0 200 200">'
     svg += b'<rect x="10" y="20" width="100" height="60"/></svg>'
     for name, content in (("a.dxf", dxf(rectangle)), ("a.dxf", dxf(lines_that_cross)), ("a.svg", svg)):
-        corners = sent(client, "outline", name, content)["border"]["polygon_mm"]
+        corners = upload(client, "outline", name, content).json()["border"]["polygon_mm"]
         assert {tuple(corner) for corner in corners} == CENTRED
     content = dxf(lambda space: space.add_circle((1, 1), 2), unit=1)  # inches
-    corners = np.array(sent(client, "outline", "a.dxf", content)["border"]["polygon_mm"])
+    corners = np.array(upload(client, "outline", "a.dxf", content).json()["border"]["polygon_mm"])
     np.testing.assert_allclose(np.hypot(*corners.T), 50.8, atol=0.05)
     assert 20 < len(corners) < 200
