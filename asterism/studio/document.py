@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
@@ -23,7 +23,7 @@ from asterism.studio import star_sizes
 from asterism.studio.autosave import Autosave, autosaves
 from asterism.studio.design_file import DesignTexts, check_replaceable, file_text
 from asterism.studio.file_names import check_files
-from asterism.studio.history import History, Step, Thumbnails
+from asterism.studio.history import History, Step
 from asterism.studio.painted_field import Brush, PaintedField
 
 _numbers = itertools.count(1)
@@ -41,7 +41,6 @@ class Document:
     path : the design file; it need not exist yet.
     history : the states before and after.
     layout : of the last table that was laid out, see `check`.
-    thumbnails : small plans of the last states.
     autosave : unsaved work of this session and of a former one.
     """
 
@@ -55,7 +54,6 @@ class Document:
         self._is_checked = False
         # revision, size and field of the last stroke: the next one goes on from values that are not rounded
         self._painted: tuple[int, str, PaintedField | None] = (-1, "", None)
-        self.thumbnails = Thumbnails()
         self.autosave = autosave or Autosave(path)
         self.layout: Layout = self.check()
 
@@ -133,7 +131,7 @@ class Document:
         self.layout = layout(design)
         self.hole_rings = [len(hole.rings_mm) or 1 for hole in design.border.holes]
         self._is_checked = True
-        self.thumbnails.add(self.revision, self.layout)
+        self.history.add_plan(self.layout)
         return self.layout
 
     def apply(self, table: dict[str, Any], gesture: Any, label: str = "") -> None:
@@ -208,10 +206,6 @@ class Document:
             return  # beside the sheet: no step of undo
         self.apply({**self.table, "rods": {**self.table["rods"], key: field.profile}}, gesture)
         self._painted = self.revision, key, field
-
-    def change_stars(self, what: Literal["remove", "restore", "reset"], sites: Sequence[Site], gesture: Any) -> None:
-        """Remove stars, bring removed ones back, or give them the sizes of the design's profiles."""
-        self.apply(star_sizes.changed(self.table, self.layout, sites, what), gesture)
 
     def weigh(self, sites: Sequence[Site], values: Sequence[float | None], gesture: Any = None) -> None:
         """Other weights of places in a fit, at lattice sites; None takes a weight away."""

@@ -51,6 +51,7 @@ class History:
         self._steps = [self._step(table, "Opened")]
         self.position = 0
         self._undone: list[Step] = []  # states that the last push dropped
+        self._plans: dict[int, dict[str, Any]] = {}  # small ones of the last states, by revision
 
     def _step(self, table: dict[str, Any], label: str) -> Step:
         step = Step(self._next, label, zlib.compress(json.dumps(table).encode()))
@@ -71,11 +72,6 @@ class History:
     def can_redo(self) -> bool:
         """Whether a later state was undone."""
         return self.position < len(self._steps) - 1
-
-    @property
-    def steps(self) -> tuple[Step, ...]:
-        """All states, oldest first."""
-        return tuple(self._steps)
 
     def push(self, table: dict[str, Any], label: str) -> None:
         """Append a state after the shown one, and drop those that were undone."""
@@ -102,34 +98,24 @@ class History:
         self.position = min(max(position, 0), len(self._steps) - 1)
         return self.shown
 
-
-class Thumbnails:
-    """Outline, places and sizes of the stars, by the revision of a state."""
-
-    def __init__(self) -> None:
-        self._plans: dict[int, dict[str, Any]] = {}
-
-    def add(self, revision: int, layout: Layout) -> None:
-        """Keep the plan of a state; the oldest ones are forgotten."""
-        self._plans.pop(revision, None)
-        self._plans[revision] = thumbnail(layout)
+    def add_plan(self, layout: Layout) -> None:
+        """Keep a small plan of the shown state; the oldest ones are forgotten."""
+        self._plans.pop(self.shown.revision, None)
+        self._plans[self.shown.revision] = thumbnail(layout)
         for old in list(self._plans)[:-30]:
             del self._plans[old]
 
-    def data(self, history: History) -> list[dict[str, Any]]:
-        """The states of a history that have a plan, oldest first: position, revision, what made it, plan (mm)."""
+    def data(self) -> list[dict[str, Any]]:
+        """The states that have a plan, oldest first: position, what made it, whether it is shown, plan (mm)."""
         listed = []
-        for position, step in enumerate(history.steps):
+        for position, step in enumerate(self._steps):
             if (plan := self._plans.get(step.revision)) is None:
                 continue
-            words, before = step.label, history.steps[position - 1]
+            words, before = step.label, self._steps[position - 1]
             if not words:
                 known = self._plans.get(before.revision)
                 words = step_words(before.table, step.table, () if known is None else (known, plan)) or "No change"
-            is_shown = position == history.position
-            listed.append(
-                {"position": position, "revision": step.revision, "words": words, "is_shown": is_shown, **plan}
-            )
+            listed.append({"position": position, "words": words, "is_shown": position == self.position, **plan})
         return listed
 
 

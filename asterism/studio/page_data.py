@@ -60,7 +60,18 @@ def document_data(document: Document, printer: str, limits: Limits | None) -> di
         },
         "printers": list(printers),
         "plastics": list(plastic_entries()),
-        "limits": limits_data(layout, limits, chosen["rounding"]),
+        # ranges of sizes (mm): those that can be printed, and those that the law covers (null until it is loaded)
+        "limits": {
+            "design": {
+                "length_mm": [MIN_ARM_MM, layout.spacing_mm],
+                "thickness_mm": list(THICKNESS_RANGE_MM),
+                "width_mm": list(WIDTH_RANGE_MM),
+                "weight": list(WEIGHT_RANGE),
+            },
+            "law": None if limits is None else {key: list(ends) for key, ends in limits.law.items()},
+            "stretches": [] if limits is None else list(limits.stretches),
+            "rounding": chosen["rounding"],
+        },
     }
 
 
@@ -74,21 +85,6 @@ def _shown_design(document: Document) -> dict[str, Any]:
         without = [{key: value for key, value in drawing.items() if key != "lines"} for drawing in drawings]
         table["rods"] = {**table["rods"], "import": without}
     return table
-
-
-def limits_data(layout: Layout, limits: Limits | None, rounding: dict[str, float]) -> dict[str, Any]:
-    """Ranges of sizes (mm): those that can be printed, and those that the law covers (null until it is loaded)."""
-    return {
-        "design": {
-            "length_mm": [MIN_ARM_MM, layout.spacing_mm],
-            "thickness_mm": list(THICKNESS_RANGE_MM),
-            "width_mm": list(WIDTH_RANGE_MM),
-            "weight": list(WEIGHT_RANGE),
-        },
-        "law": None if limits is None else {key: list(ends) for key, ends in limits.law.items()},
-        "stretches": [] if limits is None else list(limits.stretches),
-        "rounding": rounding,
-    }
 
 
 def problem_data(

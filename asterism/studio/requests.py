@@ -146,7 +146,6 @@ MAX_REQUEST_BYTES = 4_000_000
 Name = Annotated[str, Field(min_length=1, max_length=200)]
 # never a file: names come from outside
 ProfileName = Annotated[str, Field(pattern=r"^[A-Za-z0-9-]+$", max_length=200)]
-Slot = Literal["A", "B", "C"]
 # what holds a fitted sheet: `auto` chooses between needles and the whole border
 Hold = Literal["auto", "border", "nothing"]
 
@@ -220,7 +219,7 @@ class SlotRequest(Request):
     """Keep the design in a slot, or show the one that is there."""
 
     type: Literal["keep", "show"]
-    slot: Slot
+    slot: Literal["A", "B", "C"]
 
 
 class BumpsRequest(Request):

@@ -177,7 +177,7 @@ def ribbon_stations(layout: Layout) -> RibbonStations:
     share = np.linspace(0.0, 1.0, STATIONS)
     start = layout.centres[layout.arm_star][:, None]
     points = [start + share[:, None] * (layout.arm_tip[:, None] - start)]
-    width, thickness = ([_between(ends, share)] for ends in (layout.arm_width, layout.arm_thickness))
+    width, thickness = ([ends[:, :1] + share * np.diff(ends)] for ends in (layout.arm_width, layout.arm_thickness))
     longest = max(RIBBON_MM, sum(rod.length for rod in layout.drawn_rods) / 6000)
     for rod in layout.drawn_rods:
         count = int(np.ceil(rod.length / longest))
@@ -189,11 +189,6 @@ def ribbon_stations(layout: Layout) -> RibbonStations:
     site[: len(layout.arm_star)] = layout.star_number[layout.arm_star]
     side = np.repeat(layout.rod_side, [1] * len(layout.arm_star) + [len(part) for part in points[1:]])
     return RibbonStations(np.concatenate(points), np.concatenate(width), np.concatenate(thickness), site, side)
-
-
-def _between(ends: Floats, share: Floats) -> Floats:
-    """(A, K) values between those at both ends (A, 2)."""
-    return np.asarray(ends[:, :1] + share * (ends[:, 1:] - ends[:, :1]))
 
 
 def mesh_arrays(printed: Floats, triangles: Ints, arm_site: Ints) -> dict[str, Array]:

@@ -36,6 +36,7 @@ from asterism.studio.page_data import (
 from asterism.studio.pages import KeptShape, Shown, Tab, Tabs, number_of
 from asterism.studio.requests import GestureRequest, Request, RequestError
 from asterism.studio.shape_requests import EngineRequests, FrameParts, Settling
+from asterism.studio.star_sizes import changed
 
 
 class Studio:
@@ -218,7 +219,7 @@ class Studio:
             case ask.Simple(type="kept"):
                 tab.send({"type": "kept", "states": await asyncio.to_thread(kept_states, document)})
             case ask.Simple(type="history"):
-                tab.send({"type": "history", "states": document.thumbnails.data(document.history)})
+                tab.send({"type": "history", "states": document.history.data()})
             case ask.Simple(type="undo" | "redo") | ask.Go():
                 if isinstance(request, ask.Go):
                     step = document.go(request.position)
@@ -285,10 +286,8 @@ class Studio:
             tab.gesture = None
             tab.forget_shape()
         self._show_document(document)
-        self.tell_document()
-        for problem in document.autosave.problems:
-            self.tabs.tell({"type": "note", "text": problem})
-        self.tell_state()
+        for tab in self.tabs:
+            await self._greet(tab)
 
     def _keep_left(self, path: Path) -> None:
         """Keep the shape of a design that makes way for another one, if it can be opened again."""
@@ -510,5 +509,5 @@ def apply_gesture(request: GestureRequest, document: Document, gesture: Any, dra
         case ask.Weigh():
             document.weigh(request.sites, request.weights, gesture)
         case ask.StarsRequest():
-            document.change_stars(request.type, request.sites, gesture)
+            document.apply(changed(document.table, document.layout, request.sites, request.type), gesture)
     return None
