@@ -7,33 +7,28 @@ import { emptyLocal, Sheet } from "./sheet.js";
 const INTERVAL_MS = 30;
 
 export class Edits {
+  isOpen = false; // a gesture
   #local = emptyLocal();
   #gesture = 0;
   #sent = 0; // last gesture that ended here
   #arrived = 0; // last gesture of here that a document contained
-  #isOpen = false;
   #waiting = new Map(); // messages of this gesture that are not sent yet, by kind
   #timer = 0;
   #kept = []; // messages for which there was no connection
 
   constructor(store, connection) {
-    this.store = store;
-    this.connection = connection;
-  }
-
-  get isOpen() {
-    return this.#isOpen;
+    Object.assign(this, { store, connection });
   }
 
   /** Whether a gesture that ended here is not in the document yet. */
   get isWaiting() {
-    return this.#isOpen || this.#arrived < this.#sent;
+    return this.isOpen || this.#arrived < this.#sent;
   }
 
   begin() {
-    if (!this.#isOpen) {
+    if (!this.isOpen) {
       this.#gesture += 1;
-      this.#isOpen = true;
+      this.isOpen = true;
     }
     return this.#gesture;
   }
@@ -106,15 +101,15 @@ export class Edits {
   }
 
   end() {
-    if (!this.#isOpen) return;
+    if (!this.isOpen) return;
     this.#flush(true);
-    this.#isOpen = false;
+    this.isOpen = false;
     this.#sent = this.#gesture;
   }
 
   /** Calls the open gesture off: nothing of it stays. */
   cancel() {
-    if (!this.#isOpen) return;
+    if (!this.isOpen) return;
     this.#waiting.clear();
     this.#waiting.set("take back", { kind: "take back", fields: {} });
     this.#local = emptyLocal();
@@ -126,14 +121,14 @@ export class Edits {
   arrived(document) {
     const isCurrent = (document.gesture ?? 0) >= this.#sent || this.#arrived >= this.#sent;
     if (isCurrent) this.#arrived = this.#sent;
-    if (!this.#isOpen && isCurrent) this.#local = emptyLocal();
+    if (!this.isOpen && isCurrent) this.#local = emptyLocal();
     this.store.set({ document, sheet: new Sheet(document, this.#local) }); // together: panels read both
     for (const message of this.#kept.splice(0)) this.connection.send(...message);
   }
 
   /** The connection is lost or there again. What was drawn without one is kept, and sent when the design is there. */
   reconnected() {
-    if (!this.#isOpen && !this.#kept.length) this.drop();
+    if (!this.isOpen && !this.#kept.length) this.drop();
   }
 
   /** Forgets what was not accepted. */
@@ -143,7 +138,7 @@ export class Edits {
     clearTimeout(this.#timer);
     this.#timer = 0;
     this.#local = emptyLocal();
-    this.#isOpen = false;
+    this.isOpen = false;
     this.#arrived = this.#sent;
     this.#draw();
   }

@@ -3,7 +3,7 @@
 import { holesOf } from "./border.js";
 import { addressOf } from "./dom.js";
 import { date, plainField } from "./format.js";
-import { forgetRefused } from "./panels/fields.js";
+import { forgetRefused, showFault } from "./panels/fields.js";
 import { openKept } from "./panels/history.js";
 import { announce, toast } from "./panels/toasts.js";
 import { ofDesign } from "./store.js";
@@ -95,9 +95,7 @@ export function listen(studio) {
     );
     const line = element?.querySelector(":scope > .fault");
     if (!line) return false;
-    line.hidden = false;
-    line.textContent = text;
-    element.classList.add("bad");
+    showFault(line, text, element, "bad");
     announce(text);
     return true;
   }

@@ -12,9 +12,7 @@ export class Target {
 
   /** `onChange` is called when the ghost has changed. */
   constructor(renderer, store, onChange) {
-    this.surface = renderer.makeSurface();
-    this.renderer = renderer;
-    this.onChange = onChange;
+    Object.assign(this, { renderer, onChange, surface: renderer.makeSurface() });
     store.on(["state"], ({ state }) => this.#follow(state.target));
     store.on(["showTarget"], onChange);
   }

@@ -62,24 +62,17 @@ export class View {
 
   /** `leader`: the view whose camera and scale of colours this one shares. */
   constructor(canvas, store, { onFrame, legend, leader = null }) {
-    this.canvas = canvas;
-    this.leader = leader;
+    Object.assign(this, { canvas, store, onFrame, legend, leader });
     if (leader) this.camera = leader.camera;
-    this.legend = legend;
-    this.store = store;
-    this.onFrame = onFrame;
     this.renderer = new Renderer(canvas);
-    this.sheetSurface = this.renderer.makeSurface();
-    this.contourSurface = this.renderer.makeSurface();
-    this.rimSurface = this.renderer.makeSurface();
-    this.armSurface = this.renderer.makeSurface();
+    for (const part of ["sheet", "contour", "rim", "arm", "needle", "board"])
+      this[`${part}Surface`] = this.renderer.makeSurface();
     this.quickArms = this.renderer.withTriangles(this.armSurface);
-    this.needleSurface = this.renderer.makeSurface();
-    this.boardSurface = this.renderer.makeSurface();
     this.camera.isOrthographic = store.get("orthographic");
+    const { signal } = this.#ended;
     const observer = new ResizeObserver(() => this.#resized());
     observer.observe(canvas);
-    this.#ended.signal.addEventListener("abort", () => observer.disconnect());
+    signal.addEventListener("abort", () => observer.disconnect());
     store.on(["viewColour", "showTarget"], () => this.#colour());
     store.on(["shown", "showBumps"], () => this.#place());
     store.on(["badge", "frame"], () => this.#age());
@@ -89,7 +82,6 @@ export class View {
       this.camera.isOrthographic = orthographic;
       this.invalidate();
     });
-    const { signal } = this.#ended;
     matchMedia(DARK).addEventListener("change", () => this.invalidate(), { signal });
   }
 
@@ -227,12 +219,10 @@ export class View {
     const held = parted(needles);
     for (const [, tip] of held.upright) tops.push(...headOf(tip));
     this.#box = box(tops); // around all that casts shadows
-    const { low, high } = this.#box;
-    const level = Math.min(0, low[2]) - FABRIC_MM - 0.1;
-    const [solids, table] = [needleSolids(held, level), board({ low, high }, held, level)];
-    renderer.fill(this.needleSurface, solids);
+    this.#level = Math.min(0, this.#box.low[2]) - FABRIC_MM - 0.1;
+    const table = board(this.#box, held, this.#level);
+    renderer.fill(this.needleSurface, needleSolids(held, this.#level));
     renderer.fill(this.boardSurface, table);
-    this.#level = level;
     this.#tops = tops;
     this.#corners = table.corners;
     this.#follow();

@@ -8,11 +8,8 @@ import { starsWithin } from "./common.js";
 import { StrokeTool } from "./stroke.js";
 
 export class BrushTool extends StrokeTool {
+  setting = "brush";
   #kept = new Set(); // names of rods that a stroke leaves as they are
-
-  constructor(studio) {
-    super(studio, "brush");
-  }
 
   down(event) {
     const { quantity, mode } = this.brush;
@@ -20,14 +17,12 @@ export class BrushTool extends StrokeTool {
     if (!isEven(mode) && quantity === "thickness" && this.store.get("planColour") === "none") {
       this.store.set({ planColour: "thickness" });
     }
-    const { design } = this.sheet;
-    this.#kept = namesWithOwn(design, QUANTITIES[quantity].key);
+    this.#kept = namesWithOwn(this.sheet.design, QUANTITIES[quantity].key);
     super.down(event);
   }
 
   dab(at, event) {
-    const { store, edits } = this;
-    const sheet = store.get("sheet");
+    const { sheet, store, edits } = this;
     if (sheet.isOfRods) return this.#paintRods(sheet, at, event);
     const { quantity, mode, radius } = this.brush;
     const strength = this.strengthOf(event);

@@ -27,9 +27,7 @@ const SAME_PLACE_MM = 0.5;
 const LEAST_STEP_MM = 4; // from a needle to its copy
 
 export class NeedleTool extends PlanTool {
-  get hint() {
-    return "Click: a needle\u00a0· drag it or its cross\u00a0· Shift+drag lifts\u00a0· Ctrl+click chooses several";
-  }
+  hint = "Click: a needle\u00a0· drag it or its cross\u00a0· Shift+drag lifts\u00a0· Ctrl+click chooses several";
 
   /** The needle (or its cross) under the pointer. */
   #under(event) {

@@ -6,12 +6,9 @@ import { label, polyline, segments } from "../pen.js";
 import { PlanTool, snapped } from "./common.js";
 
 export class RulerTool extends PlanTool {
+  hint = "Drag to measure\u00a0· Alt: no snapping";
   #line = null;
   #isDown = false;
-
-  get hint() {
-    return "Drag to measure\u00a0· Alt: no snapping";
-  }
 
   down(event) {
     const at = this.#snap(event);

@@ -9,10 +9,7 @@ const CLICK_PX = 4;
 /** `drag`: the path of the lasso. */
 export class SelectTool extends PlanTool {
   cursor = "default";
-
-  get hint() {
-    return "Click or lasso\u00a0· Shift adds\u00a0· Alt takes away\u00a0· double click: the ring";
-  }
+  hint = "Click or lasso\u00a0· Shift adds\u00a0· Alt takes away\u00a0· double click: the ring";
 
   down(event) {
     this.drag = [event.at];
@@ -30,10 +27,8 @@ export class SelectTool extends PlanTool {
     this.drag = null;
     const sheet = this.sheet;
     const isLasso = Math.max(...path.map((at) => distance(at, path[0]))) > this.plan.px(CLICK_PX);
-    let keys;
-    if (isLasso) keys = sheet.stars.filter((star) => isInside(star.at, path)).map((star) => star.key);
-    else keys = [sheet.starAt(event.at)?.key].filter(Boolean);
-    this.#select(keys, event, !isLasso);
+    const stars = isLasso ? sheet.stars.filter((star) => isInside(star.at, path)) : [sheet.starAt(event.at)].filter(Boolean);
+    this.#select(stars.map((star) => star.key), event, !isLasso);
     this.plan.invalidate();
   }
 

@@ -1,6 +1,6 @@
 // Strokes of a brush over the plan: dabs along the way, straight lines with Shift, the star of the keyboard, the ring.
 
-import { between, clamp, distance, images } from "../../geometry.js";
+import { between, clamp, direction, distance, images } from "../../geometry.js";
 import { RADII, brushOn } from "../../sheet.js";
 import { circle, disc, polyline } from "../pen.js";
 import { PlanTool, starsWithin } from "./common.js";
@@ -18,15 +18,11 @@ const reachOf = (weight) => Math.sqrt(1 - Math.sqrt(weight));
  */
 export class StrokeTool extends PlanTool {
   cursor = "none";
+  hint = "Drag to paint\u00a0· Shift+click: a line\u00a0· [ ] radius";
   #at = null;
   #last = null; // end of the last stroke, for straight lines
   #isDown = false;
   #way = 0;
-
-  constructor(studio, setting) {
-    super(studio);
-    this.setting = setting;
-  }
 
   get brush() {
     return brushOn(this.sheet, this.store.get(this.setting));
@@ -35,10 +31,6 @@ export class StrokeTool extends PlanTool {
   /** A pen that is pressed less paints less. */
   strengthOf({ force = 1 }) {
     return this.brush.strength * force;
-  }
-
-  get hint() {
-    return "Drag to paint\u00a0· Shift+click: a line\u00a0· [ ] radius";
   }
 
   down(event) {
@@ -89,7 +81,7 @@ export class StrokeTool extends PlanTool {
   #under() {
     const { store } = this;
     if (!store.get("paintOnSheet")) return NONE;
-    const near = starsWithin(store.get("sheet"), images(this.#at, store.get("symmetry")), this.brush.radius);
+    const near = starsWithin(this.sheet, images(this.#at, store.get("symmetry")), this.brush.radius);
     const keys = near.map(({ star }) => star.key);
     const before = store.get("under");
     return keys.length === before.size && keys.every((key) => before.has(key)) ? before : new Set(keys);
@@ -151,7 +143,7 @@ function drawAxes(context, plan, colour, { mirrorX, mirrorY, sixfold }) {
   if (mirrorY) angles.push(0);
   if (sixfold) angles.push(0, 60, 120);
   for (const degrees of angles) {
-    const end = [reach * Math.cos((degrees * Math.PI) / 180), reach * Math.sin((degrees * Math.PI) / 180)];
+    const end = direction(degrees).map((value) => reach * value);
     polyline(context, plan, [end.map((value) => -value), end], { colour: colour("accent"), dash: [6, 6], alpha: 0.35 });
   }
 }

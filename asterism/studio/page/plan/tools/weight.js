@@ -13,13 +13,8 @@ const LEAST_LOG = Math.log(1.1);
 const MIN_NUMBER_PX = 14; // half a cell that has room for its number
 
 export class WeightTool extends StrokeTool {
-  constructor(studio) {
-    super(studio, "weightBrush");
-  }
-
-  get hint() {
-    return "Paint where the fit comes nearer\u00a0· Alt: erase\u00a0· [ ] radius";
-  }
+  setting = "weightBrush";
+  hint = "Paint where the fit comes nearer\u00a0· Alt: erase\u00a0· [ ] radius";
 
   /** + and − change the weight at the star of the keyboard. */
   key(event) {
@@ -60,8 +55,7 @@ export class WeightTool extends StrokeTool {
   }
 
   said() {
-    const { weight } = this.brush;
-    return this.isEven ? "erase" : times(weight);
+    return this.isEven ? "erase" : times(this.brush.weight);
   }
 
   draw(context, plan, colour) {
