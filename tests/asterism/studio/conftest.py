@@ -33,7 +33,7 @@ class QuickEngine:
     """Stands for the link to the engine: every edit is answered with a flat square, as high as its number."""
 
     def __init__(self, receive: Callable[[Any], None], changed: Callable[[], None]) -> None:
-        self._receive, self.status, self.searching = receive, "ready", None
+        self.receive, self.status, self.searching = receive, "ready", None
         self.edits: list[Any] = []
 
     def edit(self, edit: Edit) -> None:
@@ -42,10 +42,10 @@ class QuickEngine:
     def ask(self, message: Any) -> None:
         self.edits.append(message)
         seq = message.seq
-        self._receive(flat_frame(seq, height=float(seq)))
-        self._receive(ShapeSummary(seq, {"expected_rms_percent": 0.5, "height_mm": float(seq)}))
+        self.receive(flat_frame(seq, height=float(seq)))
+        self.receive(ShapeSummary(seq, {"expected_rms_percent": 0.5, "height_mm": float(seq)}))
         if seq == 1:
-            self._receive(Limits(seq, {"length_mm": (3.0, 11.0)}, (1.35, 1.75)))
+            self.receive(Limits(seq, {"length_mm": (3.0, 11.0)}, (1.35, 1.75)))
 
     def request_parts(self, parts: Any) -> None:
         self.edits.append(parts)

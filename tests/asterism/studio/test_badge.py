@@ -12,28 +12,21 @@ import pytest
 
 from asterism.pattern import gallery
 from asterism.studio.jobs import JobRequests
-from asterism.studio.messages import Edit, Parts, Released, Rested, ShapeSummary, StudioProblem
+from asterism.studio.messages import Released, Rested, ShapeSummary, StudioProblem
 from asterism.studio.shape_requests import EngineRequests
 from asterism.studio.studio import Studio
+from tests.asterism.studio.conftest import QuickEngine
 from tests.asterism.studio.flat_frames import flat_frame
 from tests.asterism.studio.quick_engines import exact
 
 
-class SlowEngine:
+class SlowEngine(QuickEngine):
     """A link to an engine that answers when the test says so."""
 
-    searching = None
-
-    def __init__(self, receive: Callable[[Any], None], changed: Callable[[], None]) -> None:
-        self.receive, self.status, self.asked = receive, "ready", 0
-
-    def edit(self, edit: Edit) -> None:
-        self.ask(edit)
+    asked = 0
 
     def ask(self, message: Any) -> None:
         self.status, self.asked = "computing", message.seq
-
-    def request_parts(self, parts: Parts) -> None: ...
 
     def frame(self, stage: str = "equilibrium", is_minimum: bool = True, seq: int | None = None) -> None:
         seq = self.asked if seq is None else seq

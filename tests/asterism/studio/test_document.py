@@ -1,4 +1,4 @@
-"""The document of the studio: every sequence of edits can be undone, and files keep what was not edited."""
+"""The document of the studio: refused changes leave it as it is, and files keep what was not edited."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""A view that follows edits shows what a new view shows."""
+"""Needles, tubes and ribbons of a sheet, as the page draws them."""
 
 from __future__ import annotations
 
@@ -10,19 +10,12 @@ from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.studio.sheet_frames import FABRIC_MM, SheetMarks
 
-DESIGN = Design.from_dict(
-    {
-        "stars": {"length_mm": 8.0},
-        "border": {"rings": 2},
-        "pins": [{"where": "corners", "scale": 0.85}],
-        "mesh": {"edge_mm": 4.0},
-    }
-)
+STARS = {"length_mm": 8.0}
 
 
 @pytest.mark.parametrize("border", [{"circle_mm": {"radius": 40.0}}, {"rectangle_mm": (90, 60)}])
 def test_a_tube_holds_a_curve_and_needles_a_straight_edge(border: dict[str, object]) -> None:
-    sheet = layout(Design.from_dict({**DESIGN.to_dict(), "border": border, "pins": [{"where": "border"}]}))
+    sheet = layout(Design.from_dict({"stars": STARS, "border": border, "pins": [{"where": "border"}]}))
     mesh = mesh_layout(sheet, 4.0)
     needles = SheetMarks(mesh.points, mesh.triangles).needles(sheet, np.pad(mesh.points, ((0, 0), (0, 1))))
     if "circle_mm" in border:
@@ -33,8 +26,8 @@ def test_a_tube_holds_a_curve_and_needles_a_straight_edge(border: dict[str, obje
 
 
 def test_plastic_below_hangs_at_the_lower_face_of_the_fabric() -> None:
-    override = [{"star": 0, "side": "below"}]
-    sheet = layout(Design.from_dict({**DESIGN.to_dict(), "stars": {"length_mm": 8.0, "override": override}}))
+    stars = {**STARS, "override": [{"star": 0, "side": "below"}]}
+    sheet = layout(Design.from_dict({"stars": stars, "border": {"rings": 2}}))
     mesh = mesh_layout(sheet, 4.0)
     flat, up = np.pad(mesh.points, ((0, 0), (0, 1))), np.tile([0.0, 0.0, 1.0], (len(mesh.points), 1))
     arms, normals = SheetMarks(mesh.points, mesh.triangles).ribbons(sheet, flat, up)
