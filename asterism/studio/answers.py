@@ -18,19 +18,19 @@ from asterism.results.words import VISIBLE_SAG_MM, PlacedWarning
 from asterism.shape.shape import Shape
 from asterism.studio.messages import Form, Notice, ShapeSummary, StudioProblem, mistake_parts, sites_of
 
-PROBLEM_KINDS: dict[type[Exception], str] = {
-    DesignError: "design",
-    LawError: "law",
-    MeshError: "mesh",
-    SearchLimitError: "too long",
-    OutputError: "output",
-}
 UNEXPECTED = "error"
 
 
 def engine_problem(seq: int, error: Exception, design: Design | None = None) -> StudioProblem:
     """The problem that an error is; the design's lattice sites take the place of the numbers of its stars."""
-    kind = next((kind for of, kind in PROBLEM_KINDS.items() if isinstance(error, of)), UNEXPECTED)
+    kinds: dict[type[Exception], str] = {
+        DesignError: "design",
+        LawError: "law",
+        MeshError: "mesh",
+        SearchLimitError: "too long",
+        OutputError: "output",
+    }
+    kind = next((kind for of, kind in kinds.items() if isinstance(error, of)), UNEXPECTED)
     text = str(error) if isinstance(error, Error) else f"{type(error).__name__}: {error}"
     rows = np.empty((0, 2)) if design is None or not getattr(error, "stars", ()) else sheet_sites(design)
     return StudioProblem(seq=seq, kind=kind, text=" ".join(text.split()), **mistake_parts(error, rows))

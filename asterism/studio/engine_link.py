@@ -23,9 +23,6 @@ from asterism.studio.messages import (
     TargetPose,
 )
 
-# After so many deaths on one edit the engine waits for another edit.
-MAX_DEATHS = 2
-
 
 class EngineLink:
     """Sends edits to an engine process, and passes its answers on.
@@ -154,7 +151,7 @@ class EngineLink:
         self._deaths += 1
         owed, self._owes = self._owes, None
         self._child, self._spare = self._spare or self._start(), None
-        if self._deaths > MAX_DEATHS:
+        if self._deaths > 2:  # on one edit: the engine waits for another one
             self._receive(
                 StudioProblem(owed or 0, "engine", "the preview cannot compute this design; change it to go on")
             )

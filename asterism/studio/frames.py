@@ -17,8 +17,7 @@ import numpy as np
 
 from asterism.studio.messages import Frame
 
-MESH, SHAPE, KEPT = 1, 2, 3
-_DTYPES = {"f": "f4", "u": "u4", "i": "u4", "b": "u1"}
+MESH, SHAPE, KEPT, TARGET = 1, 2, 3, 4
 
 
 def pack(kind: int, header: Mapping[str, Any], arrays: Mapping[str, Any]) -> bytes:
@@ -58,7 +57,8 @@ def _block(name: str, values: Any) -> Any:
     if name.endswith("normals"):
         array = np.rint(127.0 * array).astype(np.int8)
     kept = array.dtype.itemsize == 1 and array.dtype.kind in "iu"
-    return np.ascontiguousarray(array if kept else array.astype("<" + _DTYPES[array.dtype.kind]))
+    dtype = {"f": "<f4", "u": "<u4", "i": "<u4", "b": "<u1"}[array.dtype.kind]
+    return np.ascontiguousarray(array if kept else array.astype(dtype))
 
 
 def mesh_bytes(frame: Frame) -> bytes:

@@ -26,7 +26,6 @@ from asterism.studio.messages import Limits, mistake_parts
 from asterism.studio.requests import RequestError
 from asterism.studio.star_sizes import PLAIN_WEIGHT, entries_by_site, weights_by_site
 
-DEFAULT_PRINTER = "ultimaker2"
 SERVER_MISTAKE = "the studio has made a mistake, see its terminal; the design is as it was"
 
 _log = logging.getLogger("asterism.studio")

@@ -27,7 +27,6 @@ from asterism.studio.history import thumbnail
 from asterism.studio.jobs import JobRequests
 from asterism.studio.messages import Flip, ShowForm
 from asterism.studio.page_data import (
-    DEFAULT_PRINTER,
     document_data,
     known_printer,
     opening_problem_data,
@@ -62,7 +61,7 @@ class Studio:
         self._upkeep = Upkeep(self)
         self._left: dict[Path, Document] = {}
         self._left_shapes: dict[str, KeptShape] = {}  # of the designs that were open, by the names of their files
-        self.printer = DEFAULT_PRINTER
+        self.printer = "ultimaker2"
         self._slots: dict[str, KeptDesign] = {}
         self.drawings = Drawings()
         self.parts = FrameParts(self)

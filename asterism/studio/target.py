@@ -22,8 +22,6 @@ from asterism.studio.star_sizes import PLAIN_WEIGHT, weights_by_site
 if TYPE_CHECKING:
     from asterism.fitting.target import TargetSurface
 
-TARGET = 4  # kind of the binary frame of a target
-
 
 @dataclass(frozen=True)
 class Target:
@@ -69,7 +67,7 @@ class Target:
     def packed(self) -> bytes:
         """The binary frame for the page."""
         surface = self.surface
-        return frames.pack(TARGET, {}, {"positions": surface.vertices, "triangles": surface.triangles})
+        return frames.pack(frames.TARGET, {}, {"positions": surface.vertices, "triangles": surface.triangles})
 
     def data(self) -> dict[str, Any]:
         """Name, size and placement for the page."""

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 
-from asterism.studio.engine_link import MAX_DEATHS, EngineLink
+from asterism.studio.engine_link import EngineLink
 from asterism.studio.inbox import Inbox
 from asterism.studio.messages import Busy, Edit, Flip, Frame, StudioProblem
 from tests.event_loop import run_coroutine
@@ -115,7 +115,7 @@ def test_a_design_that_ends_every_engine_waits_for_another_edit():
             isinstance(message, StudioProblem) for message in links.messages
         )
         deaths = sum(isinstance(message, Busy) for message in links.messages)
-        assert deaths == MAX_DEATHS
+        assert deaths == 2
         links.link.edit(Edit(2, {"name": "a"}))
         await links.until(lambda: bool(links.frames(2)) and links.link.status == "ready")
 

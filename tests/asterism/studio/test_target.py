@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from starlette.testclient import TestClient
 
+from asterism.studio.frames import TARGET
 from asterism.studio.messages import FitTarget, Parts, TargetPose
 from asterism.studio.studio import Studio
-from asterism.studio.target import TARGET
 from tests.asterism.fitting.test_load_target import nurbs_vault, rhino_file
 from tests.asterism.studio.conftest import LIVE, ORIGIN, TOKEN, Page, upload
 from tests.asterism.studio.flat_frames import unpack
