@@ -109,6 +109,13 @@ def test_a_stroke_beside_the_sheet_is_no_step_of_undo(grid: Document) -> None:
     assert not grid.history.position and grid.text == GRID
 
 
+def test_thickness_and_width_are_painted_apart(grid: Document) -> None:
+    grid.brush("thickness_mm", BRUSH, [[(0.0, 0.0)]])
+    grid.brush("width_mm", BRUSH.model_copy(update=dict(value=2.0)), [[(0.0, 0.0)]])
+    largest = [grid.table["rods"][size]["high"] for size in ("thickness_mm", "width_mm")]
+    assert largest == pytest.approx([0.9, 2.0], abs=0.03)
+
+
 def test_sheets_of_stars_are_refused(tmp_path: Path) -> None:
     stars = Document({"stars": {"length_mm": 9.0}, "border": {"rings": 2}}, tmp_path / "a.toml")
     with pytest.raises(DesignError, match="the brush paints sizes of rods"):

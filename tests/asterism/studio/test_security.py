@@ -190,6 +190,8 @@ NONSENSE = [
     '{"type": "sizes", "sites": [[0, 0]], "length": [1, 2]}',
     '{"type": "sizes", "sites": [[0, 0]], "length": [NaN]}',
     '{"type": "sizes", "sites": [[1e9, 0]], "length": [5]}',
+    '{"type": "brush", "size": "width_mm", "mode": "set", "radius": 5, "strength": 1, "low": 0, "high": 9,'
+    ' "places": [[]]}',
     '{"type": "edit", "changes": {"fabric.stretch": NaN}}',
     '{"type": "edit", "changes": {"fabric.stretch.deep.deeper": 1}}',
     '{"type": "edit", "changes": {"stars": null}}',

@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
+from copy import copy
+
 import numpy as np
 import pytest
 
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.painted_stars import with_painted_stars
 from asterism.pattern.mesh.meshing import mesh_layout
+from asterism.previews.session import Preview
+from asterism.previews.sheet import StarLens
+from asterism.studio.engine_frames import SheetView
 from asterism.studio.sheet_frames import FABRIC_MM, SheetMarks
+from tests.asterism.previews.laws import plain_law
 
 STARS = {"length_mm": 8.0}
 
@@ -36,3 +43,21 @@ def test_plastic_below_hangs_at_the_lower_face_of_the_fabric() -> None:
     outer, inner = arms[:, :, 0, 2], arms[:, :, 2, 2]
     assert (outer[below] < inner[below]).all() and np.allclose(inner[below], -FABRIC_MM)
     assert (outer[~below] > inner[~below]).all() and np.allclose(inner[~below], 0.0)
+
+
+def test_a_view_that_follows_strokes_shows_what_a_new_one_shows() -> None:
+    pins = [{"where": "corners", "scale": 0.85}]
+    design = Design.from_dict({"stars": STARS, "border": {"rings": 2}, "pins": pins, "mesh": {"edge_mm": 4.0}})
+    preview = Preview(design, plain_law())
+    view = SheetView(preview, is_fine=False)
+    view.frame(preview, 0, "equilibrium")
+    lens = preview.lens(view.printed)
+    for sizes in ([(0.0, 0.3, 1.0), (9.0, 0.5, 1.4)], [(5.0, 0.3, 1.0), (0.0, 0.3, 1.0)]):
+        stage = next(preview.edit(with_painted_stars(design, np.array([[0, 0], [1, -1]]), sizes)))
+        anew = StarLens(preview.state.sheet, view.printed)(stage.x)
+        assert np.abs(lens(stage.x).bumpy - anew.bumpy).max() <= 1e-12
+        fresh = copy(view)  # a new view may have another mesh
+        fresh._follow(preview)
+        one, other = (each.frame(preview, 1, "linear", stage.x).arrays for each in (view, fresh))
+        for name in ("positions", "curvature", "strain", "arms", "arm_normals", "needles"):
+            assert one[name] == pytest.approx(other[name], abs=2e-5), name  # numbers of 4 bytes

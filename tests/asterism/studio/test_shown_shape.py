@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from asterism.studio import frames
+from asterism.studio.messages import Form, ShapeSummary
 from asterism.studio.pages import Shown, Tab
 from tests.asterism.studio.flat_frames import SQUARE, flat_frame, flat_places, unpack
 from tests.event_loop import run_coroutine
@@ -39,3 +40,14 @@ def test_a_kept_shape_is_complete_and_is_there_as_long_as_it_is_held() -> None:
     assert {"printed", "triangles", "outline", "arm_site"} < arrays.keys() and "before" not in arrays
     del kept
     assert len(shown.kept) == 0
+
+
+def test_a_form_has_its_shape_until_the_next_summary() -> None:
+    shown = Shown()
+    summary = ShapeSummary(1, {}, (), (Form(-1, "up", 0.0, True), Form(0, "down", 2.0, False)))
+    shown.add_summary(summary, 0)
+    shown.add_form(flat_frame(1, height=3.0, form=0))
+    here, other = shown.state()["forms"]
+    assert here["shape"] is None and shown.kept[other["shape"]].frame.stage == "equilibrium"
+    shown.add_summary(summary, 1)
+    assert [form["shape"] for form in shown.state()["forms"]] == [None, None]
