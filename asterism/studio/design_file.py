@@ -134,11 +134,6 @@ def edited_text(text: str, table: Mapping[str, Any]) -> str:
     Tables that hold the same as in the file keep their lines. A table that holds something else is written anew, under
     the comment above its header. Lists of tables, as `[[pins]]`, count as one table.
 
-    Parameters
-    ----------
-    text : of the file in TOML.
-    table : what the new text must hold.
-
     Examples
     --------
     >>> print(edited_text("# mine\\n[stars]\\nlength_mm = 9.0 # long\\n\\n[border]\\nrings = 2 # small\\n",

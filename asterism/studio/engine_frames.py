@@ -192,13 +192,7 @@ class SheetView:
 
 
 class TargetComparison:
-    """Compares sheets with one target.
-
-    Parameters
-    ----------
-    target : in the pose that is shown.
-    version : of this target and pose.
-    """
+    """Compares sheets with one target in the pose that is shown; `version` is of both."""
 
     def __init__(self, target: Surface, version: int) -> None:
         self._version = version

@@ -269,13 +269,9 @@ def run_settling(connection: Connection) -> None:
 
 
 class ExactForms:
-    """The exact shape that follows the preview of a design, and the one that its release from the flat print leads to.
+    """The exact shape that follows the preview of an order, and the one that its release from the flat print leads to.
 
-    Parameters
-    ----------
-    order : with the preview.
-    design : the same design.
-    connection : gets the progress; a message in it ends the computation.
+    The connection gets the progress; a message in it ends the computation.
 
     Raises
     ------

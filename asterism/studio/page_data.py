@@ -118,13 +118,7 @@ def problem_data(
 
 
 def opening_problem_data(error: Exception, path: Path | None, seq: int | None) -> dict[str, Any]:
-    """The message `problem` of a design that does not open; another one stays open.
-
-    Parameters
-    ----------
-    path : of its file, named in the text; None without one.
-    seq : as for `problem_data`.
-    """
+    """The message `problem` of a design that does not open, with the name of its file; another one stays open."""
     problem = problem_data(error, None, seq)
     text = problem["text"]
     return elsewhere(problem, text if path is None else f"{path.name}: {text.removeprefix(f'{path}: ')}")

@@ -233,12 +233,8 @@ class Shown:
     def badge(self, revision: int, is_at_work: bool) -> dict[str, Any]:
         """The one statement about the shape, the worst first: its kind, its words, and the frame that it is about.
 
-        Whatever speaks of the shape, on pages and of designs that are kept, takes it from here.
-
-        Parameters
-        ----------
-        revision : of the document.
-        is_at_work : whether a newer shape is on its way.
+        Whatever speaks of the shape, on pages and of designs that are kept, takes it from here. The revision is that of
+        the document; `is_at_work` says whether a newer shape is on its way.
         """
         is_current = self.revision == revision
         has_shape = is_current and self.stage in ("equilibrium", "exact")

@@ -72,7 +72,6 @@ class EngineRequests:
 
     Attributes
     ----------
-    link : to the engine.
     limits : what the law covers; None until the engine has said so.
     last_seq : number of the last question.
     """
@@ -164,7 +163,6 @@ class FrameParts:
 
     Attributes
     ----------
-    target : None without one.
     version : increases with every change of the target or its pose.
     requested : what frames hold now.
     """

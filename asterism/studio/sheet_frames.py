@@ -31,12 +31,9 @@ NO_SITE = 2**32 - 1  # in place of the row of a star, for ribbons of drawn rods
 
 
 class SheetMarks:
-    """Ribbons and needles of a sheet on a mesh. Places on the mesh are kept until ribbons or needles change.
+    """Ribbons and needles of a sheet on a mesh of points (V, 2) mm and triangles (T, 3).
 
-    Parameters
-    ----------
-    printed : (V, 2) mm.
-    triangles : (T, 3).
+    Places on the mesh are kept until ribbons or needles change.
     """
 
     def __init__(self, printed: Floats, triangles: Ints) -> None:
@@ -162,18 +159,7 @@ class RibbonStations:
 
 
 def ribbon_stations(layout: Layout) -> RibbonStations:
-    """The stations of a layout: arms from the centre to the tip, then drawn rods in pieces of about `RIBBON_MM`.
-
-    Examples
-    --------
-    >>> from asterism.pattern.design.design import Design
-    >>> from asterism.pattern.layout.build import layout
-    >>> lines = [{"line_mm": [(-5, 0), (5, 0)]}]
-    >>> sheet = layout(Design.from_dict({"rods": {"draw": lines}, "border": {"rectangle_mm": (12, 8)}}))
-    >>> stations = ribbon_stations(sheet)
-    >>> stations.points[:, [0, -1], 0].tolist()
-    [[-5.0, 0.0], [0.0, 5.0]]
-    """
+    """The stations of a layout: arms from the centre to the tip, then drawn rods in pieces of about `RIBBON_MM`."""
     share = np.linspace(0.0, 1.0, STATIONS)
     start = layout.centres[layout.arm_star][:, None]
     points = [start + share[:, None] * (layout.arm_tip[:, None] - start)]

@@ -109,13 +109,7 @@ def weights_by_site(table: Mapping[str, Any]) -> dict[Site, float]:
 
 
 def weighed(table: Mapping[str, Any], sites: Sequence[Site], weights: Sequence[float | None]) -> dict[str, Any]:
-    """The table with other weights at some sites; None is the weight of a place that nobody has painted.
-
-    Examples
-    --------
-    >>> weighed({"name": "a"}, [(0, 0), (1, 0)], [4.0, None])
-    {'name': 'a', 'fit': {'weights': [{'site': [0, 0], 'weight': 4.0}]}}
-    """
+    """The table with other weights at some sites; None is the weight of a place that nobody has painted."""
     kept = weights_by_site(table)
     for site, weight in zip(sites, weights, strict=True):
         # of a weight in the design file
