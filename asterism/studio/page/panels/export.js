@@ -51,7 +51,7 @@ export function openExport({ store, actions }) {
     replace(written, !progress() && result?.files ? writtenPart(result) : null);
   };
   const shape = check({
-    text: () => `Write the shape too (OBJ, STL, GLB): ${store.get("badge").words}`,
+    text: () => `Write the shape too: ${store.get("badge").words}`,
     testid: "export-preview",
     ...about("preview"),
   });
@@ -61,7 +61,7 @@ export function openExport({ store, actions }) {
       list("Printer", "printer", printers),
       plastics.length > 0 && list("Plastic", "plastic", plastics),
       hint(
-        "3MF and STL for the slicer, PDF, SVG and DXF at 1:1, drilling template, start code, instructions, and the rounded design.",
+        "Solids for the slicer, layouts at 1:1, drilling template, start code, instructions, and the rounded design.",
       ),
       shape,
       check({ text: "Print a line to cut along", testid: "export-border", ...about("border") }),
