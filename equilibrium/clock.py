@@ -14,8 +14,6 @@ class Clock:
     ----------
     seconds : wall time by part.
 
-    Examples
-    --------
     >>> clock = Clock()
     >>> with clock("sum"):
     ...     total = sum([1, 2, 3])

@@ -42,10 +42,7 @@ def _names_in(folder: str) -> list[str]:
 def path(name: str) -> Path:
     """File of a design, a pattern or a template, with comments on its source and on what was chosen.
 
-    Raises
-    ------
-    DesignError
-        There is no design of this name.
+    Raises `DesignError` if there is no design of this name.
     """
     known = {each: folder / f"{each}.toml" for key, folder in _FOLDERS.items() for each in _names_in(key)}
     if name not in known:

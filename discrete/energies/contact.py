@@ -26,13 +26,7 @@ MAX_CCD_ITERATIONS = 1000
 
 
 def ipc_toolkit() -> Any:
-    """The package `ipctk`.
-
-    Raises
-    ------
-    DesignError
-        The package is not installed.
-    """
+    """The package `ipctk`. Raises `DesignError` if the package is not installed."""
     try:
         import ipctk
     except ImportError:

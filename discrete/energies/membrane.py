@@ -173,8 +173,6 @@ class Membrane(Elements):
     ----------
     whole : (T, 12) `membrane_params`, which are the parameters of triangles that keep all of their energy.
 
-    Examples
-    --------
     A triangle of 0.5 mm^2 and thickness 1 mm, stretched by 1 % in both directions. For small strain the energy is near
     `E/(1 - nu) strain^2` per volume in plane stress:
 
@@ -339,8 +337,6 @@ class SideMembrane(Elements):
     rest : (V, 2) mm, the unstretched fabric.
     fabric : as of `discrete.energies.membrane.Membrane`.
 
-    Examples
-    --------
     A square of two triangles is bent in its plane, so that its strain is `k y` along x. Flat triangles see a strain of
     opposite signs; their mean is that of the middle of the diagonal, which is zero.
 
@@ -375,8 +371,6 @@ class SideMembrane(Elements):
 def flat_share(triangles: Array, closed: bool) -> Array:
     """(T,) share of each flat triangle in its energy.
 
-    Examples
-    --------
     >>> flat_share(np.array([[0, 1, 2], [0, 2, 3]]), False).round(3)
     array([0.733, 0.733])
     """

@@ -52,10 +52,7 @@ class ContactModel(DiscreteModel):
     def factor(self, backend: str = "auto") -> Factor:
         """A factorisation that is analysed anew when the pattern changes.
 
-        Raises
-        ------
-        BackendError
-            The backend is multigrid, which needs a constant pattern.
+        Raises `BackendError` if the backend is multigrid, which needs a constant pattern.
         """
         return ReanalysingFactor(self, backend)
 
@@ -135,10 +132,7 @@ class ContactModel(DiscreteModel):
     def apply_supports(self, state: State) -> State:
         """The state with its held components in place, as in `DiscreteModel`.
 
-        Raises
-        ------
-        DesignError
-            The pins push the sheet through itself.
+        Raises `DesignError` if the pins push the sheet through itself.
         """
         target = super().apply_supports(state)
         if target is not state and self._free_fraction(state, target) < 1.0:
@@ -204,10 +198,7 @@ def _entry_keys(rows: Ints, columns: Ints, size: int) -> Ints:
 class ReanalysingFactor:
     """A `Factor` that analyses the model's sparsity pattern again when another object takes its place.
 
-    Raises
-    ------
-    BackendError
-        The backend is multigrid: its coarse level cannot follow a changing pattern.
+    Raises `BackendError` if the backend is multigrid: its coarse level cannot follow a changing pattern.
     """
 
     def __init__(self, problem: ContactModel, backend: str) -> None:

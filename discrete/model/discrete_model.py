@@ -92,8 +92,6 @@ class DiscreteModel(System):
     release : 0 for the stretched print, 1 for the released sheet; see `set_release`.
     pin_progress : part of their way that the pins have moved. It equals the release, except for pins that act later.
 
-    Examples
-    --------
     One star, as printed and not yet released: the fabric holds all the energy.
 
     >>> from asterism.pattern import gallery
@@ -326,10 +324,8 @@ def star_normals(model: DiscreteModel, state: State) -> Array:
 def add_bumps(model: DiscreteModel, state: State, heights: Array) -> State:
     """The state with a Gaussian bump added at every star.
 
-    Parameters
-    ----------
-    heights : (S,) mm, to the side of each star's plastic; a star of height 0 does not change. Held components do not
-        move.
+    `heights`: (S,) mm, to the side of each star's plastic; a star of height 0 does not change. Held components do not
+    move.
     """
     bumped = np.flatnonzero(heights)
     if len(bumped) == 0:

@@ -30,7 +30,8 @@ from asterism.equilibrium.linear.sparse_pattern import SparsePattern
 class Reconstruction:
     """Positions from deformation gradients, by weighted least squares.
 
-    The release of the model only scales gradients and weights, so one reconstruction serves all releases.
+    The release of the model only scales gradients and weights, so one reconstruction serves all releases. Raises
+    `ValueError` if a part of the mesh is connected to no support, or the free mesh has more than one part.
 
     Parameters
     ----------
@@ -41,13 +42,6 @@ class Reconstruction:
     edge_weight : (R,) N/mm, axial stiffness EA/l.
     held : (V, 3) bool, components of vertices that do not move.
 
-    Raises
-    ------
-    ValueError
-        A part of the mesh is connected to no support, or the free mesh has more than one part.
-
-    Examples
-    --------
     Half of a strip of two triangles is held; its free vertices follow a prescribed stretch of 10 % along x:
 
     >>> points = np.array([[0, 0], [0, 1], [1, 0], [1, 1.0]])

@@ -48,8 +48,6 @@ def moved_state(state: State, edges: Array, positions: Array, turn: Array, spin:
     turn : (R,) rad, rotation of each director about its edge.
     spin : (J, 3) rad, rotation vector of each joint; by default they do not rotate.
 
-    Examples
-    --------
     An edge along x is laid along z; its director follows, then rotates by 90 degrees:
 
     >>> edges, flat = np.array([[0, 1]]), State(np.array([[0, 0, 0], [1, 0, 0.0]]), np.array([[0, 0, 1.0]]))
@@ -81,8 +79,6 @@ def orthonormal_to_tangents(directors: Array, along: Array) -> Array:
 def rotate_vectors(spin: Array, vectors: Array) -> Array:
     """Vectors (E, k, 3) rotated by `exp(spin)`, spin (E, 3) rad.
 
-    Examples
-    --------
     >>> rotate_vectors(np.array([[0, 0, np.pi / 2]]), np.array([[[1.0, 0, 0]]])).round(6) + 0.0
     array([[[0., 1., 0.]]])
     """

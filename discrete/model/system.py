@@ -37,8 +37,6 @@ class System:
     load_datum : (3,) mm, position at which the potential of the dead load is zero; the origin by default.
     free : indices of the dofs that move.
 
-    Examples
-    --------
     A spring of one rod edge (EA = 100 N, 10 mm) that carries 1 N at its end, with only that end free to move along x:
 
     >>> from asterism.discrete.energies.rods.rod import RodStretch

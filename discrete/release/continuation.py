@@ -83,6 +83,8 @@ def solve_on_mesh(
 ) -> Equilibrium:
     """Find an equilibrium of a model and certify it.
 
+    Raises `ValueError` if a given state intersects itself, and the model has contact.
+
     Parameters
     ----------
     model : the model; it is fully released at the end, also after an exception.
@@ -92,13 +94,6 @@ def solve_on_mesh(
     report : called after every iteration with the name of the stage.
     coarse : a finer mesh follows. The result is only as accurate as it needs, and usually has no certificate.
 
-    Raises
-    ------
-    ValueError
-        A given state intersects itself, and the model has contact.
-
-    Examples
-    --------
     A single star without rest curvature of its arms, as coarse as it can be meshed:
 
     >>> from asterism.pattern import gallery

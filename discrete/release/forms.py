@@ -72,18 +72,13 @@ def find_minima(ladder: Ladder, starts: int, backend: str = "auto", report: Repo
     """Find the forms of a design from a fixed sequence of starts, the start of the design first.
 
     The result is the lowest minimum whose stars are all on the side of their branch, if there is one: a print starts on
-    these sides. Otherwise it is the lowest minimum.
+    these sides. Otherwise it is the lowest minimum. Raises `ValueError` if `starts` is below 1.
 
     Parameters
     ----------
     ladder : the models of the sheet.
     starts : number of starts, see `release_starts`.
     backend, report : as in `solve_on_mesh`.
-
-    Raises
-    ------
-    ValueError
-        `starts` is below 1.
     """
     if starts < 1:
         raise ValueError(f"starts = {starts}: must be at least 1")

@@ -56,10 +56,7 @@ MAX_COARSE_VERTEX_FRACTION = 0.6
 def model_on(design: Design, layout: Layout, edge_mm: float) -> DiscreteModel:
     """The model of a design on one mesh; with contact if the design asks for it.
 
-    Raises
-    ------
-    MeshError
-        No mesh of this edge follows the rods.
+    Raises `MeshError` if no mesh of this edge follows the rods.
     """
     mesh = mesh_layout(layout, edge_mm, design.mesh.kind, design.mesh.seed, design.graded_meshes)
     return (ContactModel if design.solver.contact else DiscreteModel)(design, layout, mesh)
@@ -80,8 +77,6 @@ class Ladder:
     ----------
     tolerance_percent : of the diameter; None if the edge is given.
 
-    Examples
-    --------
     >>> from asterism.pattern import gallery
     >>> from asterism.pattern.layout.build import layout
     >>> design = gallery.load("star")

@@ -46,8 +46,6 @@ def mesh_error(vertices: Sequence[int], changes: Sequence[float | None]) -> Mesh
     vertices : of all meshes, the finest last.
     changes : rms distance to the shape before, in % of the diameter; None for the first mesh.
 
-    Examples
-    --------
     >>> round(mesh_error([500, 1000, 2000], [None, 2.0, 1.0]).percent, 2)
     1.74
     >>> mesh_error([500, 1000], [None, 12.0]).forms_differ

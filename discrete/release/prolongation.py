@@ -76,8 +76,6 @@ def interpolate_surface(printed: Array, triangles: Ints, positions: Array, point
     The interpolators of scipy triangulate the points anew and would interpolate across a notch. Sheets that are not
     convex use those of matplotlib, on the triangles of the sheet.
 
-    Examples
-    --------
     >>> square = np.array([[0, 0], [1, 0], [1, 1], [0, 1.0]])
     >>> tilted = np.column_stack([square, square[:, 0]])
     >>> interpolate_surface(square, np.array([[0, 1, 2], [0, 2, 3]]), tilted, np.array([[0.5, 0.2]]), False).round(6)
@@ -142,8 +140,6 @@ def extrapolate(model: DiscreteModel, before: State, state: State, share: float)
 def rotation_vectors(before: Array, after: Array) -> Array:
     """(E, 3) rad, vectors of the rotations in the polar decompositions of `after before^-1`, matrices (E, 3, 3).
 
-    Examples
-    --------
     >>> quarter = np.array([[[0, -1, 0], [1, 0, 0], [0, 0, 1.0]]])
     >>> (rotation_vectors(np.eye(3)[None], quarter) / np.pi).round(6) + 0.0
     array([[0. , 0. , 0.5]])

@@ -32,13 +32,9 @@ TWO_STEP_RELEASE = (0.3, 1.0)
 class ReleaseStart:
     """One start of a release.
 
-    Raises
-    ------
-    ValueError
-        The releases do not grow from 0 to 1, the bend has no such name or no sag, or a branch is not -1, 0 or 1.
+    Raises `ValueError` if the releases do not grow from 0 to 1, the bend has no such name or no sag, or a branch is not
+    -1, 0 or 1.
 
-    Examples
-    --------
     >>> ReleaseStart(bend="roll", axis_deg=45.0, sag_mm=12.0, releases=SUDDEN_RELEASE).name
     'default'
     >>> ReleaseStart(bend="dome")

@@ -27,9 +27,7 @@ MAX_MEMORY_FRACTION = 0.5  # of the machine's memory for a factorisation; `make_
 class CholmodFactor:
     """Supernodal Cholesky factorisation; scikit-sparse is GPL software and no dependency, users install it.
 
-    Parameters
-    ----------
-    pattern : sparsity pattern of the matrices, analysed at once.
+    `pattern`: sparsity pattern of the matrices, analysed at once.
     """
 
     name = "cholmod"
@@ -68,9 +66,7 @@ class SuperLUFactor:
 
     Without row exchanges the factors are L D L^T, and the signs of D are the inertia of the matrix.
 
-    Parameters
-    ----------
-    pattern : sparsity pattern of the matrices.
+    `pattern`: sparsity pattern of the matrices.
     """
 
     name = "superlu"
@@ -149,18 +145,13 @@ def available() -> list[str]:
 def make_factor(pattern: SparsePattern, backend: str = "auto") -> Factor:
     """Solver for matrices of a sparsity pattern.
 
+    Raises `BackendError` if the backend is unknown or not installed.
+
     Parameters
     ----------
     pattern : of the matrices.
     backend : a name in `BACKENDS`, or `auto`: the fastest factorisation that is installed.
 
-    Raises
-    ------
-    BackendError
-        The backend is unknown or not installed.
-
-    Examples
-    --------
     A chain of two springs between three unknowns, on a soft foundation:
 
     >>> import numpy as np
@@ -215,10 +206,7 @@ def physical_memory_mb() -> float:
 def check_backend(backend: str) -> None:
     """Refuse a backend that is unknown or not installed.
 
-    Raises
-    ------
-    BackendError
-        The backend is unknown or not installed.
+    Raises `BackendError` if the backend is unknown or not installed.
     """
     if backend != "auto" and backend not in available():
         raise BackendError(f"backend: {backend!r} is not available; use auto or {' or '.join(available())}")

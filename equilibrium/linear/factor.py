@@ -44,10 +44,7 @@ class IterativeFactor(Factor, Protocol):
     def solve(self, b: Floats, tolerance: float = ...) -> Floats:
         """Solution up to the relative residual `tolerance`.
 
-        Raises
-        ------
-        NotPositiveDefiniteError
-            The iteration meets a direction of negative curvature.
+        Raises `NotPositiveDefiniteError` if the iteration meets a direction of negative curvature.
         """
 
     def proves_definite(self) -> bool:

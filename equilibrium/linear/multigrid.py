@@ -95,10 +95,7 @@ class MultigridFactor:
     def solve(self, b: Floats, tolerance: float = RELATIVE_RESIDUAL) -> Floats:
         """Solution of A x = b up to a relative residual; b (size,) or (size, k).
 
-        Raises
-        ------
-        NotPositiveDefiniteError
-            The iteration meets negative curvature.
+        Raises `NotPositiveDefiniteError` if the iteration meets negative curvature.
         """
         if self._direct:
             return self._coarse.solve(b)
@@ -210,10 +207,7 @@ class ConjugateGradients:
     def step(self) -> None:
         """One iteration.
 
-        Raises
-        ------
-        NotPositiveDefiniteError
-            The curvature along the next direction is not positive.
+        Raises `NotPositiveDefiniteError` if the curvature along the next direction is not positive.
         """
         p = self._direction
         image = self._product(p)

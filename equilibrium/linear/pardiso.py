@@ -63,9 +63,7 @@ def _at(array: Any, kind: Any) -> Any:
 class PardisoFactor:
     """Cholesky factorisation by MKL PARDISO; it stops at the first pivot that is not positive.
 
-    Parameters
-    ----------
-    pattern : sparsity pattern of the matrices, analysed at once.
+    `pattern`: sparsity pattern of the matrices, analysed at once.
     """
 
     name = "pardiso"

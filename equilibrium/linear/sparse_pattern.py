@@ -28,8 +28,6 @@ class SparsePattern:
     indptr, indices : of the lower triangle, sorted; every diagonal entry is present and first in its column.
     diagonal : (size,) places of the diagonal entries.
 
-    Examples
-    --------
     A chain of two springs between three dofs:
 
     >>> pattern = SparsePattern([np.array([[0, 1], [1, 2]])], 3, np.arange(3))

@@ -41,14 +41,8 @@ def smallest_eigenvalue(
 
     Lanczos iteration with the inverse of `H + shift I`. The shift grows until this matrix is positive definite, so that
     no eigenvalue is missed below. If H does not exactly map the modes to zero, the value is that of the projected H.
+    Raises `FloatingPointError` if the matrix is not finite.
 
-    Raises
-    ------
-    FloatingPointError
-        The matrix is not finite.
-
-    Examples
-    --------
     The softest mode of a free chain of two unit springs, without its translation:
 
     >>> from asterism.equilibrium.linear.backends import make_factor

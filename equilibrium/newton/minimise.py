@@ -103,6 +103,8 @@ def minimise(
 ) -> Minimum:
     """Minimise the energy of a problem by Newton's method with a line search.
 
+    Raises `FloatingPointError` if the Hessian is not finite.
+
     Parameters
     ----------
     problem : the energy.
@@ -119,11 +121,6 @@ def minimise(
     saddle_decrease : the iteration also ends after `SADDLE_ITERATIONS` steps in which the exact Hessian was not
         positive definite and the model lowered the energy by at most this. Regularised steps leave a saddle point
         slowly, while a step along its negative mode leaves it at once.
-
-    Raises
-    ------
-    FloatingPointError
-        The Hessian is not finite.
     """
     clock = Clock()
     history: list[Iteration] = []
@@ -265,10 +262,7 @@ class Regularisation:
     def direction(self, state: AnyState, gradient: Floats) -> Floats:
         """Descent direction (size,) from a positive definite matrix close to the Hessian.
 
-        Raises
-        ------
-        FloatingPointError
-            The Hessian is not finite.
+        Raises `FloatingPointError` if the Hessian is not finite.
         """
         if self._iterative and isinstance(self._problem, HasNearNullspace):
             self._iterative.set_near_nullspace(*self._problem.near_nullspace(state))
@@ -381,17 +375,14 @@ def find_minimum(
 ) -> Minimum:
     """Follow an initial guess to a minimum and certify it.
 
+    Raises `FloatingPointError` if the Hessian is not finite.
+
     Parameters
     ----------
     problem, start, factor, tolerance : as of `minimise`.
     iterate : takes a state to a stationary point, or fails; after a failure `minimise` continues.
     max_change : largest change of an unknown when a saddle point is left.
     max_iterations : of `minimise`; 0 ends the search after a failure of `iterate`.
-
-    Raises
-    ------
-    FloatingPointError
-        The Hessian is not finite.
     """
     clock = Clock()
     point = Minimum(start, np.inf, np.inf, tolerance, seconds=clock.seconds)

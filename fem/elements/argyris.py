@@ -68,9 +68,9 @@ class Tabulation:
 class Argyris:
     """Quintic C1 functions: six dofs at each vertex, one normal derivative at each edge midpoint.
 
-    Parameters
-    ----------
-    mesh : mesh of scikit-fem in printed mm; see `checked_mesh`.
+    Raises `ValueError` if the mesh is not admissible.
+
+    `mesh`: mesh of scikit-fem in printed mm; see `checked_mesh`.
 
     Attributes
     ----------
@@ -81,13 +81,6 @@ class Argyris:
     vertex_scale : (V,) mm; a vertex dof of order k is a derivative times this to the power k.
     normals : (F, 2) unit normals of the edges, on the right of the direction from the lower to the higher vertex.
 
-    Raises
-    ------
-    ValueError
-        The mesh is not admissible.
-
-    Examples
-    --------
     The unit square has 4 x 6 vertex dofs and 5 edge dofs. The parabola `z = x^2/20` is interpolated exactly:
 
     >>> space = Argyris(MeshTri())
@@ -272,12 +265,8 @@ def area_load(space: Argyris, force: ArrayLike | Callable[[Floats], Floats]) -> 
 
     The potential at positions x is `-sum(F * x)`, its Hessian is zero, and the total force is constant.
 
-    Parameters
-    ----------
-    force : N/mm^2, (3,) or a function of printed points (n, 2) mm to (n, 3). Gravity is (0, 0, -weight per area).
+    `force`: N/mm^2, (3,) or a function of printed points (n, 2) mm to (n, 3). Gravity is (0, 0, -weight per area).
 
-    Examples
-    --------
     A plate of 1 mm^2 that weighs 2 N; the sum over the dofs that are positions is the weight:
 
     >>> from skfem import MeshTri
@@ -296,15 +285,9 @@ def area_load(space: Argyris, force: ArrayLike | Callable[[Floats], Floats]) -> 
 def triangles_at(mesh: MeshTri, points: Floats) -> Ints:
     """(n,) triangles of printed points (n, 2).
 
-    A point slightly outside the mesh gets the triangle in which its smallest barycentric coordinate is largest.
+    A point slightly outside the mesh gets the triangle in which its smallest barycentric coordinate is largest. Raises
+    `ValueError` if a point is further outside than MAX_OUTSIDE; the message names the first one.
 
-    Raises
-    ------
-    ValueError
-        A point is further outside than MAX_OUTSIDE; the message names the first one.
-
-    Examples
-    --------
     >>> triangles_at(MeshTri(), np.array([[0.1, 0.2], [0.9, 0.7], [1.05, 0.9]])).tolist()
     [0, 1, 1]
     """
@@ -347,13 +330,9 @@ def _search(slopes, origin, points, triangles, depth):  # type: ignore[no-untype
 def checked_mesh(mesh: MeshTri) -> MeshTri:
     """The mesh with the corners of every triangle in ascending order, which fixes the direction of its edges.
 
-    Vertices, triangles and edges keep their numbers, and named boundaries their edges.
-
-    Raises
-    ------
-    ValueError
-        A triangle is curved, degenerate or not finite; a vertex belongs to no triangle; an edge has more than two
-        triangles; or the mesh is not connected.
+    Vertices, triangles and edges keep their numbers, and named boundaries their edges. Raises `ValueError` if a
+    triangle is curved, degenerate or not finite; a vertex belongs to no triangle; an edge has more than two triangles;
+    or the mesh is not connected.
     """
     if mesh.elem is not ElementTriP1:
         raise ValueError("mesh: triangles must have straight edges, as those of MeshTri")

@@ -64,8 +64,6 @@ def affine(matrix: ArrayLike, offset: ArrayLike = (0.0, 0.0, 0.0)) -> Deformatio
 def flat(scale: float = 1.0, centre: ArrayLike = (0.0, 0.0)) -> Deformation:
     """The deformation in the printed plane that scales lengths by `scale` about `centre` (2,) mm.
 
-    Examples
-    --------
     >>> flat(0.5, centre=(10.0, 0.0)).position(np.array([[20.0, 4.0]]))
     array([[15.,  2.,  0.]])
     """

@@ -372,13 +372,8 @@ def _line_angle(first: float, second: float) -> float:
 def candidate_shapes(fields: MeanFields, size: float, side: Side = "auto") -> list[SimpleShape]:
     """Candidates for a sheet whose printed size is `size` mm, on a side of the printed plane.
 
-    Raises
-    ------
-    ValueError
-        The side is none of `auto`, `up`, `down`.
+    Raises `ValueError` if the side is none of `auto`, `up`, `down`.
 
-    Examples
-    --------
     >>> import numpy as np
     >>> fields = MeanFields(np.zeros(2), stretch=0.8, gaussian=0.0, curvature=0.01, poisson=0.3, chord=np.inf)
     >>> sorted({shape.name for shape in candidate_shapes(fields, size=60.0)})

@@ -91,10 +91,7 @@ def newton_step(shell: Shell, x: Floats, factor: Factor, gradient: Floats) -> Fl
 def stress_under(shell: Shell, x: Floats, fields: Fields) -> Floats:
     """(T, Q, 6) stress that other fields would have at the state x (N, 3); the shell stays as it is.
 
-    Raises
-    ------
-    FieldError
-        The fields are not admissible.
+    Raises `FieldError` if the fields are not admissible.
     """
     strains = shell.assembly.strains(x, fields.rest(shell.points))
     return np.asarray(fields.densities(shell.points)(strains)[1])

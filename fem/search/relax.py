@@ -92,6 +92,8 @@ def relax(
 ) -> ShellEquilibrium:
     """Find the equilibrium of lowest energy among those that the best initial guesses lead to.
 
+    Raises `ValueError` if `shapes` is empty, or `max_guesses` is below 1.
+
     Parameters
     ----------
     factor : of `shell.factor()`, for repeated use. At the end it holds the exact Hessian if that is positive definite.
@@ -102,11 +104,6 @@ def relax(
         bent about an axis, guesses about other axes with a similar energy are followed too.
     soft_modes : number of smallest eigenvalues to compute.
     symmetries : rotations and reflections (2, 2) of the print; axes that they map onto each other count once.
-
-    Raises
-    ------
-    ValueError
-        `shapes` is empty, or `max_guesses` is below 1.
     """
     if shapes is not None and not len(shapes):
         raise ValueError("shapes = []: at least one shape is needed; None takes the candidates of the mean fields")
@@ -267,8 +264,6 @@ def softest_modes(mass: MassOperator, factor: Factor, rigid: Floats, count: int)
     rigid : (size, r) motions that H maps to zero, left out of the modes; r may be 0.
     count : number of modes; the result has fewer if the problem has fewer.
 
-    Examples
-    --------
     >>> from asterism.equilibrium.linear.backends import make_factor
     >>> from asterism.equilibrium.linear.sparse_pattern import SparsePattern
     >>> pattern = SparsePattern([np.array([[0, 1], [1, 2]])], 3, np.arange(1, 3))  # the first unknown is held

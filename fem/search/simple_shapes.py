@@ -38,8 +38,6 @@ class SimpleShape:
     angle : rad, direction of this curvature.
     across : per mm, curvature in the perpendicular direction.
 
-    Examples
-    --------
     An arc of curvature 0.1/mm on a square of 2 mm: its edges are `10 (1 - cos 0.1)` mm above the centre line.
 
     >>> from skfem import MeshTri

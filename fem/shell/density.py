@@ -43,8 +43,6 @@ class Density:
     prestress : s, stress at zero strain, (T, Q, 6) or (6,), N/mm and N.
     constant : w_0, energy at zero strain, (T, Q) or a number, N/mm.
 
-    Examples
-    --------
     One quadrature point, stretched by 1 % along the first coordinate: `W = 20 * 0.01^2/2`.
 
     >>> sheet = Density(isotropic(membrane=20.0, bending=10.0, poisson=0.3))
@@ -128,8 +126,6 @@ GAUSSIAN: Floats = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -0.5]]
 def gaussian_limits(bending: Floats) -> tuple[Floats, Floats]:
     """Lowest and highest Gaussian modulus (...,) with which a bending stiffness (..., 3, 3) is positive definite.
 
-    Examples
-    --------
     >>> low, high = gaussian_limits(np.diag([4.0, 9.0, 4.0]))
     >>> float(low.round(6)), float(high.round(6))
     (-6.0, 6.0)
@@ -220,8 +216,6 @@ def isotropic(
     poisson : Poisson's ratio nu.
     bending_poisson : Poisson's ratio of bending, if it differs.
 
-    Examples
-    --------
     >>> isotropic(membrane=20.0, bending=10.0, poisson=0.3)[:3, :3]
     array([[20.,  6.,  0.],
            [ 6., 20.,  0.],

@@ -56,10 +56,7 @@ class Fields:
     def rest(self, points: Floats) -> Floats:
         """(T, Q, 6) of `(a/2, b)` at rest, in the components of the strains.
 
-        Raises
-        ------
-        FieldError
-            A field is not finite, or the metric is not positive definite.
+        Raises `FieldError` if a field is not finite, or the metric is not positive definite.
         """
         a = _at(self.metric, points, "rest metric")
         b = _at(self.curvature, points, "rest curvature")
@@ -78,10 +75,7 @@ class Fields:
     def densities(self, points: Floats) -> Density:
         """The density at these points, spelled out, with the energy of Gaussian curvature.
 
-        Raises
-        ------
-        FieldError
-            A part is not finite, the stiffness not symmetric, or the saturation not positive.
+        Raises `FieldError` if a part is not finite, the stiffness not symmetric, or the saturation not positive.
         """
         density = self.density
         if callable(density) and not isinstance(density, Density):

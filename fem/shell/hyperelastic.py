@@ -29,8 +29,6 @@ def hyperelastic(
     mu, lam : (n,) N/mm, moduli times thickness.
     exponents : r1 and r2.
 
-    Examples
-    --------
     >>> (hyperelastic(np.zeros((1, 3)), np.ones(1), np.full(1, 0.5))[2][0] + 0.0).tolist()
     [[2.5, 0.5, 0.0], [0.5, 2.5, 0.0], [0.0, 0.0, 1.0]]
     """

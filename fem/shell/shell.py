@@ -47,7 +47,9 @@ class Shell:
     """Total energy of a supported and loaded shell, with its gradient and Hessian over the free unknowns.
 
     A shell is never changed: `with_fields`, `at_progress` and `with_target` return another one, which shares the
-    discretisation and the pattern of the Hessian.
+    discretisation and the pattern of the Hessian. Raises `fem.shell.fields.FieldError` if a field is not finite, or the
+    rest metric or the density is not admissible. Raises `fem.supports.conditions.ConditionError` if a support cannot be
+    met. Raises `ValueError` if the loads have another shape, or are not finite.
 
     Parameters
     ----------
@@ -68,17 +70,6 @@ class Shell:
     force_scale : N, membrane stiffness times the square root of the area; tolerances refer to it.
     progress : share of fields, loads and moved supports that acts; 1 unless they are applied in steps.
 
-    Raises
-    ------
-    fem.shell.fields.FieldError
-        A field is not finite, or the rest metric or the density is not admissible.
-    fem.supports.conditions.ConditionError
-        A support cannot be met.
-    ValueError
-        The loads have another shape, or are not finite.
-
-    Examples
-    --------
     A unit square that shrinks to 0.9 of its size: at the shrunken state energy and gradient vanish.
 
     >>> from skfem import MeshTri
@@ -113,14 +104,9 @@ class Shell:
     def with_fields(self, fields: Fields, loads: Floats | None = None) -> Shell:
         """The shell with other fields and, if given, other loads (N, 3) N; this shell is unchanged.
 
-        Space, assembly, supports and the pattern of the Hessian are shared, so a factor of one serves both.
-
-        Raises
-        ------
-        fem.shell.fields.FieldError
-            A field is not admissible.
-        ValueError
-            The loads have another shape, or are not finite.
+        Space, assembly, supports and the pattern of the Hessian are shared, so a factor of one serves both. Raises
+        `fem.shell.fields.FieldError` if a field is not admissible. Raises `ValueError` if the loads have another shape,
+        or are not finite.
         """
         new = copy(self)
         if loads is not None:
@@ -343,10 +329,8 @@ class Shell:
     def factor(self, backend: str = "auto") -> Factor:
         """Sparse direct solver for matrices in the pattern of this shell.
 
-        Raises
-        ------
-        BackendError
-            The backend is not installed, or it is multigrid, which does not prove that a matrix is definite.
+        Raises `BackendError` if the backend is not installed, or it is multigrid, which does not prove that a matrix is
+        definite.
         """
         if backend == "amg":
             raise BackendError("backend: 'amg' does not work with a shell; use auto, pardiso, cholmod or superlu")
@@ -356,8 +340,6 @@ class Shell:
 def tensile_part(stress: Floats) -> Floats:
     """(..., 6) stress with the positive parts of the principal membrane stresses, and without moments.
 
-    Examples
-    --------
     Pure shear is tension and compression at 45 degrees; the tension remains:
 
     >>> tensile_part(np.array([0.0, 0.0, 1.0, 0.0, 0.0, 0.0]))

@@ -133,10 +133,7 @@ class Reduction:
 def impose_conditions(space: Argyris, conditions: Sequence[Condition]) -> Reduction:
     """The affine map from the free unknowns to the positions.
 
-    Raises
-    ------
-    ConditionError
-        Two supports contradict each other, or the directions are not independent unit vectors.
+    Raises `ConditionError` if two supports contradict each other, or the directions are not independent unit vectors.
     """
     parts: list[Rows] = []
     names: list[str] = []
@@ -171,10 +168,7 @@ def impose_conditions(space: Argyris, conditions: Sequence[Condition]) -> Reduct
 def vertices_at(mesh: MeshTri, points: Floats) -> Ints:
     """(n,) vertices at printed points (n, 2) mm, within VERTEX_TOLERANCE_MM.
 
-    Raises
-    ------
-    ConditionError
-        A point has no vertex within the tolerance.
+    Raises `ConditionError` if a point has no vertex within the tolerance.
     """
     points = np.atleast_2d(points)
     distance = np.linalg.norm(mesh.p.T[None] - points[:, None], axis=2)
@@ -356,8 +350,6 @@ def edge_curve(mesh: MeshTri, facets: Ints, corner_deg: float) -> EdgeCurve:
     facets : (E,) numbers of its edges.
     corner_deg : deg, turning angle above which a vertex is a corner.
 
-    Examples
-    --------
     The corners of a square are corners, so its edges are straight:
 
     >>> mesh = MeshTri()
@@ -439,7 +431,8 @@ class Contradiction(ValueError):
 def eliminate(matrix: sp.csr_matrix, right: Floats, tolerance: float) -> Elimination:
     """Solve equations `matrix x = right` for as many unknowns as they determine.
 
-    Blocks of equations that share unknowns are solved separately, by QR with column pivoting.
+    Blocks of equations that share unknowns are solved separately, by QR with column pivoting. Raises `Contradiction` if
+    the equations have no solution.
 
     Parameters
     ----------
@@ -447,13 +440,6 @@ def eliminate(matrix: sp.csr_matrix, right: Floats, tolerance: float) -> Elimina
     right : (R, k) right-hand sides.
     tolerance : largest residual of a redundant equation, scaled to a largest coefficient of 1.
 
-    Raises
-    ------
-    Contradiction
-        The equations have no solution.
-
-    Examples
-    --------
     `x0 + x1 = 2`, twice, leaves x1 and x2 free:
 
     >>> solved = eliminate(sp.csr_matrix([[1.0, 1.0, 0.0], [2.0, 2.0, 0.0]]), np.array([[2.0], [4.0]]), 1e-9)

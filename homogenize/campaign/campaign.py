@@ -41,6 +41,9 @@ def run_campaign(
 ) -> list[SampleRecord]:
     """Solve every cell of the plan that has no file in `folder` yet.
 
+    Raises `CampaignError` if the workers have ended. Finished samples are in `folder`. Raises `AddressError` if the
+    scheduler does not answer. Raises `ValueError` if `jobs` is below 1.
+
     Parameters
     ----------
     folder : of the samples; the campaign makes it. Files appear whole, as cells finish.
@@ -50,15 +53,6 @@ def run_campaign(
     respond : solves a cell, in place of `solve_cell` or `motif_responses`. Other processes must be able to import it.
         Each function has samples of its own.
     tasks : those of the plan's cells that are needed; all by default.
-
-    Raises
-    ------
-    CampaignError
-        The workers have ended. Finished samples are in `folder`.
-    AddressError
-        The scheduler does not answer.
-    ValueError
-        `jobs` is below 1.
     """
     if jobs < 1:
         raise ValueError(f"jobs = {jobs}: must be at least 1")

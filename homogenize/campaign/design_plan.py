@@ -50,8 +50,6 @@ def plan_for_design(
     layout : of the design; computed if it is needed.
     known, edge_mm : as of `plan_for_sizes`.
 
-    Examples
-    --------
     >>> motif = [{"line_mm": [(0, 0), (10, 0)]}, {"line_mm": [(0, 0), (0, 10)]}]
     >>> thickness = {"profile": "radial", "from": 0.4, "to": 0.5, "over_mm": 30}
     >>> grid = Design.from_dict({
@@ -73,7 +71,7 @@ def plan_for_sizes(
     """The plan of cells whose sizes enclose those of a design.
 
     For a motif, each group of lines with one sizing field is an axis of the law. Lines whose size is a number of their
-    own keep it.
+    own keep it. Raises `DesignError` if the design has no star, there is no law of it, or too many sizes vary.
 
     Parameters
     ----------
@@ -82,11 +80,6 @@ def plan_for_sizes(
     edge_mm : of the cells' mesh, for experiments; by default the spacing of stars over `EDGES_PER_SPACING`, or the
         usual edge of a motif. Meshes of stars are graded where the fabric bends as a plate and the arms lie on lattice
         lines.
-
-    Raises
-    ------
-    DesignError
-        The design has no star, there is no law of it, or too many sizes vary.
     """
     if (refused := without_law(design)) is not None:
         raise refused
@@ -204,8 +197,6 @@ def _steps(ratio: float | None, low: float, high: float, spacing: float) -> list
 def geometric_nodes(sizes: Floats, max_ratio: float) -> list[float]:
     """From the smallest to the largest of sizes (S,) in equal ratios, each at most `max_ratio`.
 
-    Examples
-    --------
     >>> geometric_nodes(np.array([0.3, 0.45, 0.38]), 1.3)
     [0.3, 0.3674, 0.45]
     """

@@ -77,15 +77,12 @@ def _summary(table: LawTable, percent: Floats) -> dict[str, dict[str, float]]:
 def fit_law(plan: LawPlan, records: Sequence[SampleRecord], made: dict[str, Any] | None = None) -> StarLaw | MotifLaw:
     """The law of a campaign. The same records give the same numbers.
 
+    Raises `CampaignError` if too many cells have no answer.
+
     Parameters
     ----------
     records : of the plan's tasks, or of some of them.
     made : versions, command, machine and seconds, for the law's file.
-
-    Raises
-    ------
-    CampaignError
-        Too many cells have no answer.
     """
     cells = {record.task: (_motif_cell if plan.is_motif else _star_cell)(plan, record) for record in records}
     tables = [

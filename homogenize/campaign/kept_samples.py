@@ -35,10 +35,7 @@ FOLDER_VARIABLE = "ASTERISM_CELLS"
 def cells_folder() -> Path:
     """The folder, which exists afterwards; that of the environment variable `ASTERISM_CELLS`, if it is set.
 
-    Raises
-    ------
-    CampaignError
-        The folder cannot be made.
+    Raises `CampaignError` if the folder cannot be made.
     """
     own = os.environ.get(FOLDER_VARIABLE)
     folder = Path(own) if own else Path(platformdirs.user_cache_dir("asterism", appauthor=False)) / "cells"

@@ -93,12 +93,8 @@ def local_workers(jobs: int) -> Iterator[SubmitAll]:
     """Processes of this machine, which start afresh and share nothing with this process.
 
     They import neither the script that runs here nor its state, so that scripts without a main guard may use them, and
-    processes of the studio, which may have no children of Python's own kind.
-
-    Raises
-    ------
-    CampaignError
-        A process has ended, or a result cannot be had from it; raised by the loop over the results.
+    processes of the studio, which may have no children of Python's own kind. Raises `CampaignError` if a process has
+    ended, or a result cannot be had from it; raised by the loop over the results.
     """
     paths = os.pathsep.join(map(os.path.abspath, sys.path))
     environment = {**os.environ, **WORKER_ENVIRONMENT, "PYTHONPATH": paths}
@@ -176,12 +172,8 @@ def serve() -> None:
 def dask_workers(address: str) -> Iterator[SubmitAll]:
     """The workers of a running Dask cluster, on which the same version of asterism is installed.
 
-    Raises
-    ------
-    AddressError
-        The package distributed is missing, no scheduler answers at the address, or it has no workers.
-    CampaignError
-        The workers have ended; raised by the loop over the results.
+    Raises `AddressError` if the package distributed is missing, no scheduler answers at the address, or it has no
+    workers. Raises `CampaignError` if the workers have ended; raised by the loop over the results.
     """
     try:
         distributed: Any = importlib.import_module("distributed")

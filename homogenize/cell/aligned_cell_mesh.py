@@ -37,6 +37,8 @@ def aligned_cell_mesh(
 ) -> PeriodicMesh:
     """Mesh of `repeat` cells with equal stars.
 
+    Raises `MeshError` if arms from both ends of a link overlap.
+
     Parameters
     ----------
     lattice_vectors : (2, 2) mm, rows, as of `Lattice.vectors`.
@@ -45,11 +47,6 @@ def aligned_cell_mesh(
     edge_mm : of the grid, about.
     surrounded : with the triangles around, whose points are then unfolded too.
     graded : as many triangles, but finer ones at arms and tips, as in graded sheets (`pattern.mesh.graded_mesh`).
-
-    Raises
-    ------
-    MeshError
-        Arms from both ends of a link overlap.
     """
     k = edges_per_spacing(lattice_vectors, directions, lengths, edge_mm)
     if not len(directions):  # bare fabric repeats from triangle to triangle, so a few of them are the whole cell

@@ -52,11 +52,8 @@ class MeshConstraints:
 def conforming_triangulation(frame: MeshConstraints, edge_mm: float) -> PeriodicTriangles:
     """Triangles of the given points, which come first, and of free ones with edges of about `edge_mm`.
 
-    Raises
-    ------
-    MeshError
-        No sweep has all segments as edges, the symmetry of the group, and angles of `MIN_CELL_ANGLE_DEG`: arms nearly
-        touch, or meet at a small angle.
+    Raises `MeshError` if no sweep has all segments as edges, the symmetry of the group, and angles of
+    `MIN_CELL_ANGLE_DEG`: arms nearly touch, or meet at a small angle.
     """
     beside, vectors, group = _Beside(frame, edge_mm), frame.vectors, frame.group
     seeds = _grid(vectors, edge_mm)

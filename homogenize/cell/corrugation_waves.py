@@ -28,8 +28,6 @@ WAVE_TOLERANCE = 1e-9
 class CorrugationWaves:
     """The waves of a lattice and its stars.
 
-    Examples
-    --------
     >>> waves = CorrugationWaves.of(Lattice())
     >>> len(waves), waves(np.zeros((1, 2)))[0, :2]  # at a star's centre
     (12, array([1., 0.]))

@@ -53,12 +53,7 @@ def relax_flat_cell(cell: UnitCell) -> FlatCell:
     """The flat cell with its star up, or down if that is its only equilibrium.
 
     A star that is only slightly buckled has a single equilibrium, on either side. Its branch with the star up begins at
-    a finite curvature.
-
-    Raises
-    ------
-    ArithmeticError
-        A step did not converge.
+    a finite curvature. Raises `ArithmeticError` if a step did not converge.
     """
     cell.set_flat()
     state = cell.printed_state()
@@ -71,10 +66,7 @@ def relax_flat_cell(cell: UnitCell) -> FlatCell:
 def released_from(cell: UnitCell, state: State) -> FlatCell:
     """The flat cell that a state of the print becomes while the fabric is released.
 
-    Raises
-    ------
-    ArithmeticError
-        A step did not converge.
+    Raises `ArithmeticError` if a step did not converge.
     """
     iterations, known = 0, list[tuple[float, State]]()
     for release in RELEASE_STEPS:

@@ -52,6 +52,8 @@ def free_cell_mesh(
 ) -> PeriodicMesh:
     """Mesh of `repeat` cells with equal stars: the mesh of one cell, repeated.
 
+    Raises `MeshError` as `conforming_triangulation` does.
+
     Parameters
     ----------
     lattice_vectors : (2, 2) mm, rows, as of `Lattice.vectors`.
@@ -60,11 +62,6 @@ def free_cell_mesh(
     edge_mm : about, of the mesh; edges are shorter where arms of different stars come close.
     surrounded : the mesh includes the triangles around, whose points are then unfolded too.
     group : (G, 2, 2) rotations and reflections of star and lattice, whose symmetry the mesh has; none by default.
-
-    Raises
-    ------
-    MeshError
-        See `conforming_triangulation`.
     """
     vectors = np.asarray(lattice_vectors, dtype=float)
     edge_mm = min(edge_mm, float(np.linalg.norm(vectors, axis=1).min()) / 3.0)
@@ -245,8 +242,6 @@ def graded_steps(fine: Floats, longest: float, gap: Floats) -> Floats:
     longest : mm, of an edge.
     gap : (m,) mm, distance to other arms.
 
-    Examples
-    --------
     >>> graded_steps(np.linspace(0.0, 6.0, 61), 2.0, np.full(61, np.inf)).round(9).tolist()
     [0.0, 2.0, 4.0, 6.0]
     """
@@ -263,17 +258,13 @@ def motif_cell_mesh(
 ) -> PeriodicMesh:
     """Mesh of `repeat` cells: the mesh of one cell, repeated. Its first vertex is the first node of the motif.
 
-    The mesh lies in the same way to the motif wherever the motif lies to the lattice.
+    The mesh lies in the same way to the motif wherever the motif lies to the lattice. Raises `MeshError` as
+    `conforming_triangulation` does.
 
     Parameters
     ----------
     edge_mm : about, of the mesh; edges are shorter where rods come close, and where they curve.
     surrounded : the mesh includes the triangles around, whose points are then unfolded too.
-
-    Raises
-    ------
-    MeshError
-        See `conforming_triangulation`.
     """
     vectors = motif.vectors
     edge_mm = min(edge_mm, float(np.linalg.norm(vectors, axis=1).min()) / 3.0)

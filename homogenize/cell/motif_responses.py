@@ -61,13 +61,8 @@ def compare_with_larger_cell(design: Design, edge_mm: float, flat: FlatCell) -> 
     """One flat cell and 2 x 2 cells of a design's motif, with the same mesh.
 
     The larger cell is released from the flat print with a slight noise in height, once for each of `NOISE_SEEDS`.
-
-    Raises
-    ------
-    ValueError, DesignError, MeshError
-        See `UnitCell`.
-    ArithmeticError
-        A cell has no equilibrium.
+    Raises `ValueError`, `DesignError` or `MeshError` as `UnitCell` does. Raises `ArithmeticError` if a cell has no
+    equilibrium.
     """
     with closing(UnitCell(design, edge_mm, (2, 2))) as larger:
         trials = [released_from(larger, _with_noise(larger, seed)) for seed in NOISE_SEEDS]
@@ -128,16 +123,10 @@ class MotifResponses:
 def motif_responses(design: Design, edge_mm: float) -> MotifResponses:
     """Solve the unit cell of a design's motif, flat and rolled in several directions, and compare it with 2 x 2 cells.
 
-    Parameters
-    ----------
-    edge_mm : of the mesh.
+    Raises `ValueError`, `DesignError` or `MeshError` as `UnitCell` does. Raises `ArithmeticError` if the flat cell has
+    no equilibrium.
 
-    Raises
-    ------
-    ValueError, DesignError, MeshError
-        See `UnitCell`.
-    ArithmeticError
-        The flat cell has no equilibrium.
+    `edge_mm`: of the mesh.
     """
     directions: list[RolledDirection] = []
     failed: list[tuple[float, str]] = []
@@ -172,8 +161,6 @@ GAUSSIAN: Floats = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -0.5]]
 def completed_by_rods(stiffness: Floats, rods: Floats) -> Floats:
     """(3, 3) N mm, a stiffness known up to a multiple of det K, with the mean of Q12 over all axes of the rods.
 
-    Examples
-    --------
     >>> rods = np.diag([14.7, 14.7, 8.9])
     >>> completed_by_rods(rods - 39.0 * GAUSSIAN, rods).round(6) + 0.0
     array([[14.7,  0. ,  0. ],
@@ -186,19 +173,13 @@ def completed_by_rods(stiffness: Floats, rods: Floats) -> Floats:
 def rod_bending(design: Design, deformation: Floats) -> Floats:
     """(3, 3) N mm, bending stiffness of a motif's rods per printed area, for curvatures 11, 22 and 2 x 12 of the print.
 
-    The tubes of the cell leave one number of its stiffness open. Their energy has no term of the Gaussian curvature
-    det K, so they give the stiffness up to a multiple of det K: Q12 may grow by c while Q33 falls by c/2. In a sheet
-    of rods on a surface of the curvature b, a rod of direction t bends by `t . b t` and twists by `t . b n`. Rods
-    bonded at points, in fabric too soft to count, take the stiffness `B (t . b t)^2 + T (t . b n)^2` per length each,
-    which has all entries. With F, the (2, 2) deformation of the flat sheet, the print's curvature K is `F^T b F`.
+    The tubes of the cell leave one number of its stiffness open. Their energy has no term of the Gaussian curvature det
+    K, so they give the stiffness up to a multiple of det K: Q12 may grow by c while Q33 falls by c/2. In a sheet of
+    rods on a surface of the curvature b, a rod of direction t bends by `t . b t` and twists by `t . b n`. Rods bonded
+    at points, in fabric too soft to count, take the stiffness `B (t . b t)^2 + T (t . b n)^2` per length each, which
+    has all entries. With F, the (2, 2) deformation of the flat sheet, the print's curvature K is `F^T b F`. Raises
+    `DesignError` as `motif_graph` does.
 
-    Raises
-    ------
-    DesignError
-        See `motif_graph`.
-
-    Examples
-    --------
     A square grid of rods has B/d in both directions, T/(2 d) for the twist 2 K12, and no coupling:
 
     >>> motif = [{"line_mm": [(0, 0), (10, 0)]}, {"line_mm": [(0, 0), (0, 10)]}]

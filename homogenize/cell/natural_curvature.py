@@ -65,17 +65,13 @@ def trace_tubes(cell: UnitCell, flat: FlatCell, angle: float, known: TubeBranch 
     The curvature grows, with the plastic outside, until the moment changes its sign. Then a parabola through the
     nearest tubes, kept between the last two signs, finds the root. A natural curvature below `MIN_NATURAL_CURL` is that
     of the energy's parabola. If the moments of the flat cell and of tubes up to `MAX_SEARCHED_CURL` oppose more
-    curvature, the other side is tried.
+    curvature, the other side is tried. Raises `ArithmeticError` if a step did not converge, a star snapped to the other
+    side, or no root was found.
 
     Parameters
     ----------
     angle : of the printed direction around the tube, from y.
     known : the branch of another direction, as a start.
-
-    Raises
-    ------
-    ArithmeticError
-        A step did not converge, a star snapped to the other side, or no root was found.
     """
     walk = _Walk(cell, flat, angle)
     first = walk.to(FIRST_CURL / cell.spacing)

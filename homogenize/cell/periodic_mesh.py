@@ -217,10 +217,7 @@ class PeriodicTriangles:
     def edges(self) -> tuple[Ints, Ints]:
         """(3 T,) names of the edges 0-1, 1-2 and 2-0 of all triangles, and of the reversed edges.
 
-        Raises
-        ------
-        MeshError
-            The triangles do not close to a torus: some edge lacks a triangle on one side.
+        Raises `MeshError` if the triangles do not close to a torus: some edge lacks a triangle on one side.
         """
         a, b = self.corner, np.roll(self.corner, -1, axis=1)
         step = np.roll(self.image, -1, axis=1) - self.image
@@ -240,12 +237,8 @@ def periodic_delaunay(
     """Delaunay triangles of the points (N, 2) of one cell; N is at least 3.
 
     Of several Delaunay triangulations the result depends on the numbers of the points only. With a point group of more
-    than one element it is a symmetric one, wherever that is possible.
-
-    Raises
-    ------
-    MeshError
-        The points leave a hole of several edges.
+    than one element it is a symmetric one, wherever that is possible. Raises `MeshError` if the points leave a hole of
+    several edges.
     """
     inverse = np.linalg.inv(vectors)
     if group is None or len(group) == 1:

@@ -66,8 +66,6 @@ def point_group(lattice: Lattice) -> Floats:
 
     The identity comes first, then the other rotations, then the reflections.
 
-    Examples
-    --------
     >>> [len(point_group(Lattice(arms=arms))) for arms in (3, 4, 5, 6)]
     [6, 4, 2, 12]
     >>> [len(point_group(Lattice(kind="square", arms=4, orientation_deg=turn))) for turn in (0, 45, 10)]

@@ -122,13 +122,7 @@ def rolled_state(cell: UnitCell, sheet: UnrolledCell, curvature: float, angle: f
 
 
 def roll_cell(cell: UnitCell, sheet: UnrolledCell, curvature: float, angle: float, blend: float = 0.0) -> Tube:
-    """Roll the cell and find its equilibrium.
-
-    Raises
-    ------
-    ArithmeticError
-        Newton's method did not converge.
-    """
+    """Roll the cell and find its equilibrium. Raises `ArithmeticError` if Newton's method did not converge."""
     start = rolled_state(cell, sheet, curvature, angle)
     minimum = polished(
         cell, minimise(cell, start, cell.factor(), cell_gradient_tolerance(cell), blend=blend, check_definite=False)

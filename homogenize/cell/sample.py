@@ -95,20 +95,15 @@ class Sample:
 def solve_cell(design: Design, edge_mm: float, angles: tuple[float, ...] | None = None) -> Sample:
     """Solve the unit cell of the design's star.
 
+    Raises `ArithmeticError` if a part has no equilibrium. Raises `ValueError` if the stars differ, gravity is on, or
+    `edge_mm` or `angles` are out of range. Raises `DesignError` or `MeshError` if arms overlap, or no mesh follows
+    them.
+
     Parameters
     ----------
     design : its stars are equal; their sizes are numbers.
     edge_mm : of the mesh.
     angles : of the tubes, rad; by default those that a law uses (`tube_angles`).
-
-    Raises
-    ------
-    ArithmeticError
-        A part has no equilibrium.
-    ValueError
-        The stars differ, gravity is on, or `edge_mm` or `angles` are out of range.
-    DesignError, MeshError
-        Arms overlap, or no mesh follows them.
     """
     if not 0.0 < edge_mm < math.inf:
         raise ValueError(f"edge_mm = {edge_mm}: must be above 0")

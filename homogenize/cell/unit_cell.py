@@ -40,15 +40,9 @@ _STARS = np.vstack([[[0, 0]], NEIGHBOUR_STEPS])
 def cell_mesh(design: Design, edge_mm: float, repeat: tuple[int, int] = (1, 1)) -> PeriodicMesh:
     """Mesh of `repeat` cells of the design's star; see `aligned_cell_mesh` and `free_cell_mesh`.
 
-    It is graded if the design's mesh is and all arms lie on lattice lines.
-
-    Raises
-    ------
-    ValueError
-        The stars of the design differ.
-    DesignError, MeshError
-        Arms overlap, arms off the lattice lines would print as one, no mesh follows the arms, or the design asks for
-        a graded mesh and arms do not lie on lattice lines.
+    It is graded if the design's mesh is and all arms lie on lattice lines. Raises `ValueError` if the stars of the
+    design differ. Raises `DesignError` or `MeshError` if arms overlap, arms off the lattice lines would print as one,
+    no mesh follows the arms, or the design asks for a graded mesh and arms do not lie on lattice lines.
     """
     lattice, vectors = design.lattice, np.asarray(design.lattice.vectors)
     length, surrounded = star_size(design, "length_mm"), FABRIC_BENDING[design.fabric.bending].needs_neighbours
@@ -67,13 +61,7 @@ def cell_mesh(design: Design, edge_mm: float, repeat: tuple[int, int] = (1, 1)) 
 
 
 def star_size(design: Design, name: str) -> float:
-    """A size of the stars as printed, mm.
-
-    Raises
-    ------
-    ValueError
-        The size varies over the sheet.
-    """
+    """A size of the stars as printed, mm. Raises `ValueError` if the size varies over the sheet."""
     stars = design.required_stars
     value = getattr(stars, name)
     if name == "length_mm" and isinstance(stars.length_fraction, int | float):
@@ -108,20 +96,15 @@ class UnitCell(System):
     """The exact model's energies on a periodic cell.
 
     Positions are the V base points and two rows of macroscopic variables. On a flat cell these are the images of the
-    cell vectors A1 and A2. On a tube (axis x) their first components are the axial shifts.
+    cell vectors A1 and A2. On a tube (axis x) their first components are the axial shifts. Raises `ValueError` if the
+    stars differ, or gravity is on. Raises `DesignError` or `MeshError` as `cell_mesh`, `motif_graph` and
+    `motif_cell_mesh` do.
 
     Parameters
     ----------
     design : materials, lattice, and the star or the motif; their sizes are numbers.
     edge_mm : of the mesh.
     repeat : stars or motifs along A1 and A2.
-
-    Raises
-    ------
-    ValueError
-        The stars differ, or gravity is on.
-    DesignError, MeshError
-        See `cell_mesh`, `motif_graph` and `motif_cell_mesh`.
 
     Attributes
     ----------
@@ -313,10 +296,7 @@ class UnitCell(System):
     def moment(self, state: State) -> float:
         """Bending moment conjugate to the curvature, N: derivative of the energy per printed area at constant state.
 
-        Raises
-        ------
-        ValueError
-            The cell is flat.
+        Raises `ValueError` if the cell is flat.
         """
         if self.curvature is None:
             raise ValueError("a flat cell has no curvature to change")

@@ -100,8 +100,6 @@ def sample_anisotropy(sample: dict[str, Any]) -> Floats:
 def isotropic_constants(stiffness: Floats) -> tuple[Floats, Floats]:
     """(...) constants A11 and A12 of the isotropic tensor nearest to a Voigt stiffness (..., 3, 3).
 
-    Examples
-    --------
     >>> [float(a) for a in isotropic_constants(np.array([[4.0, 1.0, 0.0], [1.0, 4.0, 0.0], [0.0, 0.0, 1.5]]))]
     [4.0, 1.0]
     """

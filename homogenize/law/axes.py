@@ -107,8 +107,6 @@ def law_coordinates(layout: Layout, arms: int) -> Floats:
 def min_length(lengths_mm: Iterable[float], spacing_mm: float) -> float:
     """mm, the shortest arms that a law from cells of these lengths covers; 0 if it covers all.
 
-    Examples
-    --------
     >>> min_length([0.0, 3.4, 6.0], 17.3), min_length([0.0, 3.6, 6.0], 17.3)
     (0.0, 3.6)
     """

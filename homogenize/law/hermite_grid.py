@@ -35,8 +35,6 @@ class HermiteGrid:
     values : (n1, ..., nA, Q).
     rules : (Q,) rule for the slopes of each function.
 
-    Examples
-    --------
     >>> grid = HermiteGrid([np.array([0.0, 1.0, 2.0])], np.array([[0.0], [1.0], [4.0]]), ["smooth"])
     >>> grid(np.array([[1.5]]))
     array([[2.25]])
@@ -125,8 +123,6 @@ def node_slopes(nodes: Floats, values: Floats, axis: int, rule: SlopeRule) -> Fl
         those of the modified Akima spline (Akima 1970; Moler and Ionita 2019). "spline" takes those of scipy's cubic
         spline, which are linear in the values.
 
-    Examples
-    --------
     >>> node_slopes(np.array([0.0, 1.0, 2.0]), np.array([0.0, 1.0, 4.0]), 0, "smooth")
     array([0., 2., 4.])
     """

@@ -122,8 +122,6 @@ def law_bytes(law: Law[Any]) -> bytes:
 def law_digest(law: Law[Any]) -> str:
     """Hash of tables, plan, samples and residuals. It does not depend on where and when the law was computed.
 
-    Examples
-    --------
     >>> law_digest(load_law())
     '43778279211aedb9'
     """

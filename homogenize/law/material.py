@@ -87,8 +87,6 @@ class CampaignPlan(Section):
 class Material(Section):
     """A material file: fabric, plastic, spread and lattice as in a design, and the plan of the unit cells.
 
-    Examples
-    --------
     >>> paper = load_material()
     >>> paper.name, paper.plan.stretches, len(paper.law_plan().tasks())
     ('paper', (1.35, 1.75), 1226)
@@ -156,14 +154,11 @@ class Material(Section):
     def from_dict(cls, data: Mapping[str, Any], file: str | Path | None = None, plan_is_used: bool = True) -> Material:
         """A material from plain data.
 
+        Raises `DesignError` if a value is wrong; the message names the file and the field.
+
         Parameters
         ----------
         plan_is_used : whether the plan must fit the lattice also if the data contain none.
-
-        Raises
-        ------
-        DesignError
-            A value is wrong; the message names the file and the field.
         """
         try:
             return cls.model_validate(data, context={"plan_is_used": plan_is_used})

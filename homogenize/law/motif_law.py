@@ -72,14 +72,9 @@ class MotifLaw(Law[MotifTable]):
     def evaluate(self, design: Design, *sizes: ArrayLike) -> MotifValues:
         """The law at these sizes, with stiffnesses for the modulus of the design's fabric.
 
-        Parameters
-        ----------
-        sizes : mm, in the order of `plan.sizes`, each (n,) or a number.
+        Raises `LawError` as `Law.check` does.
 
-        Raises
-        ------
-        LawError
-            As of `Law.check`.
+        `sizes`: mm, in the order of `plan.sizes`, each (n,) or a number.
         """
         table = super().check(design)
         return self._at(table, design, table.rows(sizes))
@@ -87,10 +82,7 @@ class MotifLaw(Law[MotifTable]):
     def evaluate_at(self, design: Design, points: Floats) -> MotifValues:
         """The law at printed points (n, 2) mm, with the sizes that the design's rods have there.
 
-        Raises
-        ------
-        LawError
-            As of `Law.check`.
+        Raises `LawError` as `Law.check` does.
         """
         return self._at(super().check(design), design, self.plan.sizes_at(design, points))
 
@@ -117,8 +109,6 @@ class MotifLaw(Law[MotifTable]):
 def problem_of_motif(problem: str) -> str:
     """The problem of a cell after the field that it is about: its own, or that of the motif.
 
-    Examples
-    --------
     >>> problem_of_motif("the motif has no law of one cell")
     'rods.motif: the motif has no law of one cell'
     >>> problem_of_motif("rods: motif[0] has a piece of 0.50 mm at [1.00, 0.00]: 1 or more")
@@ -134,8 +124,6 @@ def tensor_errors(law: SheetTensors, cell: SheetTensors) -> Floats:
     - membrane, bending: the largest error of the energy of a strain or curvature, over that energy;
     - curvature: the norm of the error of the rest curvature over the norm of the rest curvature.
 
-    Examples
-    --------
     >>> cell = SheetTensors(np.array([[0.81, 0.64, 0.0]]), np.eye(6)[None], np.array([[-0.01, 0.0, 0.0]]))
     >>> law = SheetTensors(1.02 * cell.metric, 1.01 * cell.stiffness, 0.99 * cell.curvature)
     >>> tensor_errors(law, cell).round(2)

@@ -52,8 +52,6 @@ def same_sites(one: Lattice, other: Lattice) -> bool:
 def same_values(a: Any, b: Any, part: float = LATTICE_TOLERANCE) -> bool:
     """Whether numbers, also in lists and tables, differ by no more than this part of them.
 
-    Examples
-    --------
     >>> same_values([1.0, 2.0], [1.0, 2.0000001]), same_values({"a": 1.0}, {"a": 1.1})
     (True, False)
     """
@@ -243,14 +241,9 @@ class LawPlan:
     def check(self, design: Design) -> None:
         """Compare another design with this plan, but for its stretch.
 
-        Moduli and densities may differ: without gravity, shapes depend on the ratio of the moduli only.
-
-        Raises
-        ------
-        ForeignLaw
-            The law is for another material, lattice or motif, or for other sizes of some lines.
-        LawError
-            Designs of this kind have no law.
+        Moduli and densities may differ: without gravity, shapes depend on the ratio of the moduli only. Raises
+        `ForeignLaw` if the law is for another material, lattice or motif, or for other sizes of some lines. Raises
+        `LawError` if designs of this kind have no law.
         """
         if self.is_motif != (design.rods is not None):
             ours, theirs = ("a motif of drawn rods", "stars") if self.is_motif else ("stars", "drawn rods")
@@ -311,10 +304,7 @@ class LawPlan:
     def sources(self, design: Design) -> list[SizingField]:
         """The sizing field of a design's motif for each of `sizes`.
 
-        Raises
-        ------
-        ForeignLaw
-            Lines that have a size in common here have different ones.
+        Raises `ForeignLaw` if lines that have a size in common here have different ones.
         """
         rods, fields = design.required_rods, []
         for size in self.sizes:
@@ -329,10 +319,7 @@ class LawPlan:
     def sizes_at(self, design: Design, points: Floats) -> Floats:
         """(n, A) mm, sizes of a design's motif at printed points (n, 2) mm, rounded as its rods are.
 
-        Raises
-        ------
-        ForeignLaw
-            As of `sources`.
+        Raises `ForeignLaw` as `sources` does.
         """
         columns = [
             rounded(design.required_rods, size.key, sample(field, points))
@@ -343,10 +330,7 @@ class LawPlan:
     def sizes_on(self, design: Design, layout: Layout) -> Floats:
         """(n, A) mm, the sizes that occur on a sheet: of its stars, or along its rods and at its corners.
 
-        Raises
-        ------
-        ForeignLaw
-            As of `sources`.
+        Raises `ForeignLaw` as `sources` does.
         """
         if not self.is_motif:
             return law_coordinates(layout, design.lattice.arms)
@@ -372,10 +356,7 @@ class LawPlan:
     def from_dict(cls, data: Mapping[str, Any]) -> LawPlan:
         """A plan from plain data.
 
-        Raises
-        ------
-        DesignError, KeyError, TypeError, ValueError
-            The data are not those of a plan.
+        Raises `DesignError`, `KeyError`, `TypeError` or `ValueError` if the data are not those of a plan.
         """
         design = Design.from_dict(data["design"])
         sizes = tuple(
@@ -431,8 +412,6 @@ def _number(rods: Rods, line: DrawnLine, key: str) -> float | str:
 def stretch_text(stretch: Stretch) -> str:
     """A stretch in words: one number, or those along x and y.
 
-    Examples
-    --------
     >>> stretch_text(1.35), stretch_text((1.35, 1.2)), stretch_text((1.2, 1.2))
     ('1.35', '[1.35, 1.2]', '1.2')
     """

@@ -109,9 +109,7 @@ class StarTable(LawTable):
     def __call__(self, *sizes: ArrayLike) -> LawValues:
         """The law at stars of these sizes.
 
-        Parameters
-        ----------
-        sizes : length, thickness and width in mm (the order of `axes.AXES`), each (N,) or a number.
+        `sizes`: length, thickness and width in mm (the order of `axes.AXES`), each (N,) or a number.
         """
         asked = self.rows(sizes)
         value = from_stored(self.interpolated(asked, _QUANTITIES, _RULES), self.spacing_mm)
@@ -202,13 +200,8 @@ class StarLaw(Law[StarTable]):
     def evaluate(self, design: Design, *sizes: ArrayLike) -> LawValues:
         """The law at stars of these sizes, with stiffnesses for the modulus of the design's fabric.
 
-        Raises
-        ------
-        LawError
-            See `check`.
+        Raises `LawError` as `check` does.
 
-        Examples
-        --------
         >>> from asterism.homogenize.law.law_file import load_law
         >>> from asterism.pattern.design.design import Design
         >>> design = Design.from_dict({"stars": {"length_mm": 9.0}, "border": {"rings": 1}})

@@ -39,8 +39,6 @@ class SheetTensors:
 def stored_tensors(tensors: SheetTensors) -> Floats:
     """(n, 18) stored forms.
 
-    Examples
-    --------
     >>> sheet = SheetTensors(np.array([[0.9, 0.8, 0.1]]), np.eye(6)[None], np.array([[-0.01, 0.0, 0.0]]))
     >>> again = tensors_of_stored(stored_tensors(sheet))
     >>> again.metric.round(12), again.curvature.round(12) + 0.0

@@ -32,8 +32,6 @@ MAX_ASPECT = 20.0  # of an ellipse
 class DrawnCircle(Section):
     """A circle by its centre and radius, or an ellipse by its half axes along x and y in place of the radius.
 
-    Examples
-    --------
     >>> ellipse = DrawnCircle(radius=(40.0, 25.0), turn_deg=90.0)
     >>> ellipse.half_axes, ellipse.at(np.zeros(1)).round(9).tolist()
     ((40.0, 25.0), [[0.0, 40.0]])
@@ -75,8 +73,6 @@ class DrawnCircle(Section):
 class Hole(Section):
     """A hole, or several of a drawing: one of `circle_mm`, `polygon_mm`, `spline_mm`, `rods` and `file`.
 
-    Examples
-    --------
     >>> Hole(polygon_mm=[(0.0, 0.0), (5.0, 0.0), (0.0, 5.0)]).kind
     'polygon_mm'
     """
@@ -116,8 +112,6 @@ _KINDS = ("circle_mm", "polygon_mm", "spline_mm", "rods", "file")
 class Border(Section):
     """The outline: one of `rings`, `rectangle_mm`, `polygon_mm`, `circle_mm`, `spline_mm`, `file` and `rods`.
 
-    Examples
-    --------
     >>> Border(rectangle_mm=(120.0, 80.0)).overhang
     'cut'
     """
@@ -214,10 +208,7 @@ def _check_points(points: Floats, field: str, value: object) -> None:
 def check_ring(corners: Floats, field: str, value: object) -> None:
     """Refuse outlines (B, 2) mm that do not bound one piece of fabric.
 
-    Raises
-    ------
-    DesignError
-        The message names the field and the value.
+    Raises `DesignError`; the message names the field and the value.
     """
 
     def error(allowed: str, place_mm: Iterable[float] | None = None) -> DesignError:

@@ -288,8 +288,6 @@ def save_design(design: Design, path: str | Path) -> None:
 def leading_field(message: str) -> str:
     """The field that a message names before all else; empty if it names none.
 
-    Examples
-    --------
     >>> leading_field("rods.motif[0].width_mm = 9: must be at most 5")
     'rods.motif[0].width_mm'
     >>> leading_field("the motif has no law of one cell: 2 x 2 cells relax to 90 % of its energy")

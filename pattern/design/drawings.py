@@ -25,12 +25,8 @@ def with_drawings(data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
     """The tables of a design, with the lines of the files that they name and do not hold yet.
 
     All that comes from one file, and has the origin `middle`, is shifted alike: the middle of the outline, else that of
-    the box around all chosen layers, becomes the origin.
-
-    Raises
-    ------
-    DesignError
-        A file cannot be read, or its closed lines are not one outline with holes.
+    the box around all chosen layers, becomes the origin. Raises `DesignError` if a file cannot be read, or its closed
+    lines are not one outline with holes.
     """
     data = dict(data)
     tables = _tables(data)
@@ -115,10 +111,7 @@ def _rings(place: str, table: Mapping[str, Any], drawing: Drawing) -> list[Float
 def holes_in(rings: list[Any], file: str) -> list[dict[str, Any]]:
     """The closed lines within an outline, the first one, as holes.
 
-    Raises
-    ------
-    DesignError
-        A line lies beside the outline.
+    Raises `DesignError` if a line lies beside the outline.
     """
     outline, *inner = rings
     for ring in inner:

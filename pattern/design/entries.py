@@ -14,18 +14,11 @@ MAX_STEPS = 20
 def with_entries(table: Mapping[str, Any], entries: Mapping[str, Any]) -> dict[str, Any]:
     """The table of a design with other values at dotted paths; the table itself stays as it is.
 
-    Parameters
-    ----------
-    entries : values by paths such as `fabric.stretch`, `border` or `rods.draw.0.width_mm`; None takes a key away.
-        Missing tables on the way are made.
+    Raises `DesignError` if a path leads through an entry that is no table or list, or beyond the end of a list.
 
-    Raises
-    ------
-    DesignError
-        A path leads through an entry that is no table or list, or beyond the end of a list.
+    `entries`: values by paths such as `fabric.stretch`, `border` or `rods.draw.0.width_mm`; None takes a key away.
+    Missing tables on the way are made.
 
-    Examples
-    --------
     >>> with_entries({"name": "a", "fabric": {"stretch": 1.35}}, {"fabric.stretch": 1.75, "name": None})
     {'fabric': {'stretch': 1.75}}
     >>> with_entries({"rods": {"draw": [{"width_mm": 1.0}]}}, {"rods.draw.0.width_mm": 2.0})

@@ -29,8 +29,6 @@ class DesignError(Error, ValueError):
     stars : numbers of the stars that the error is about.
     place_mm : printed place (2,) that the error is about; None if it has none.
 
-    Examples
-    --------
     >>> str(DesignError("mesh.edge_mm", "must be at most 17.3", 40.0, "dome.toml"))
     'dome.toml: mesh.edge_mm = 40.0: must be at most 17.3'
     """

@@ -27,10 +27,8 @@ MAX_DEPTH = 100  # of tables and lists in each other; Python's own limit is some
 def read_bytes(path: Path, max_bytes: int = MAX_DESIGN_BYTES) -> bytes:
     """The content of a regular file.
 
-    Raises
-    ------
-    OSError
-        There is none, it is a pipe, a device or a folder, from which reading might never end, or it is larger.
+    Raises `OSError` if there is none, it is a pipe, a device or a folder, from which reading might never end, or it is
+    larger.
     """
     # a pipe that nobody writes to would not open otherwise
     with open(path, "rb", opener=lambda name, flags: os.open(name, flags | getattr(os, "O_NONBLOCK", 0))) as stream:
@@ -190,10 +188,7 @@ def user_folder() -> Path:
 def file_identity(path: str | Path) -> tuple[int, ...]:
     """Numbers that change when a file is replaced or written again: device, inode, bytes, and times in ns.
 
-    Raises
-    ------
-    OSError
-        There is no such file.
+    Raises `OSError` if there is no such file.
     """
     now = Path(path).stat()
     return now.st_dev, now.st_ino, now.st_size, now.st_mtime_ns, now.st_ctime_ns

@@ -18,8 +18,6 @@ DEFAULT_SPACING_MM = 10 * np.sqrt(3.0)
 class Lattice(Section):
     """The lattice of star centres, and the arms of one star.
 
-    Examples
-    --------
     >>> Lattice(kind="square", spacing_mm=20.0).vectors.tolist()
     [[20.0, 0.0], [0.0, 20.0]]
     """

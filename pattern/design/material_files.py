@@ -60,16 +60,13 @@ def material_files() -> dict[str, Path]:
 def material_path(name_or_file: str | Path, field: str, folder: Path = Path()) -> Path:
     """The file of a material.
 
+    Raises `DesignError` if no material has this name.
+
     Parameters
     ----------
     name_or_file : name in the list of materials, or path of a `.toml` or `.json` file.
     field : field or option of the error.
     folder : where a relative path begins.
-
-    Raises
-    ------
-    DesignError
-        No material has this name.
     """
     if Path(name_or_file).suffix.lower() in (".toml", ".json"):
         return folder / name_or_file
@@ -82,10 +79,7 @@ def material_path(name_or_file: str | Path, field: str, folder: Path = Path()) -
 def own_material_path(name: str, field: str) -> Path:
     """The file of a new material of the user.
 
-    Raises
-    ------
-    DesignError
-        The name is not letters, digits, `-` and `_`, or the package has a material of this name.
+    Raises `DesignError` if the name is not letters, digits, `-` and `_`, or the package has a material of this name.
     """
     if not re.fullmatch(r"[\w-]{1,60}", name):
         raise DesignError(field, "must be a name of letters, digits, - and _", name)
@@ -97,12 +91,8 @@ def own_material_path(name: str, field: str) -> Path:
 def with_material_file(data: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
     """The table of a design with the values of the material file that its section `[material]` names.
 
-    The stretch of the file is that of the measurement: it is taken only if the design gives none.
-
-    Raises
-    ------
-    DesignError
-        The file is missing or wrong, it has no value for the design, or the design has one of its values too.
+    The stretch of the file is that of the measurement: it is taken only if the design gives none. Raises `DesignError`
+    if the file is missing or wrong, it has no value for the design, or the design has one of its values too.
     """
     if not isinstance(data.get("material"), Mapping):
         return data

@@ -49,8 +49,6 @@ KappaBar = Annotated[
 def residual_curvature(thickness_mm: ArrayLike, kappa_bar: float | ResidualCurvature) -> Floats:
     """(...) 1/mm, residual curvature of plastic of the thicknesses (...); positive bends the tips down.
 
-    Examples
-    --------
     >>> residual_curvature([0.2, 0.3], 0.01).tolist()
     [0.01, 0.01]
     """
@@ -391,8 +389,6 @@ def rest_twist(thickness_mm: ArrayLike, fabric: Fabric, plastic: Plastic, direct
     Young's moduli. Hence it is `bilayer_curvature` with the ratio of the shear moduli. A positive twist turns the
     plastic's normal clockwise about t, by this angle for each mm along t.
 
-    Examples
-    --------
     >>> along = np.array([[1.0, 0.0], [np.sqrt(0.5), np.sqrt(0.5)], [np.sqrt(0.5), -np.sqrt(0.5)]])
     >>> (1e5 * rest_twist(0.3, Fabric(stretch=(1.35, 1.2)), Plastic(), along)).round().astype(int).tolist()
     [0, -445, 445]

@@ -15,8 +15,6 @@ NearPlace = Annotated[Place, within(-1e4, 1e4, " mm")]
 class Pins(Section):
     """Places of the sheet that are all supported in the same way.
 
-    Notes
-    -----
     An entry has one of `where`, `points_mm`, `edges`, `corners` and `holes`. `pattern.layout.pin_placement` finds their
     places.
     """

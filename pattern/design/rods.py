@@ -34,8 +34,6 @@ class DrawnArc(Section):
 class DrawnLine(Section):
     """One line of a drawing: one of `line_mm`, `spline_mm`, `circle_mm` and `arc_mm`.
 
-    Examples
-    --------
     >>> DrawnLine(circle_mm={"radius": 40.0}).outline_shape
     'circle_mm'
     """

@@ -103,9 +103,7 @@ def _entities(
 ) -> Iterator[tuple[Any, str, Any]]:
     """The visible lines, also those in blocks, with the names of their layers and the matrices that place them.
 
-    Parameters
-    ----------
-    outer : layer of the insert around, which layer 0 of a block stands for, and whether the insert is hidden.
+    `outer`: layer of the insert around, which layer 0 of a block stands for, and whether the insert is hidden.
     """
     if depth > MAX_DEPTH:
         raise DrawingError(f"has blocks more than {MAX_DEPTH} deep, or one that holds itself")

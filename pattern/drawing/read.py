@@ -62,6 +62,9 @@ def read_drawing(
 ) -> Drawing:
     """All visible lines of a drawing; a `DrawingWarning` counts what is left out.
 
+    Raises `DrawingError` if the file cannot be read, or holds no line. Raises `NoUnitError` if the file has no unit,
+    and none is given.
+
     Parameters
     ----------
     path : file that ends in .svg, .dxf or .3dm.
@@ -69,13 +72,6 @@ def read_drawing(
     unit_mm : unit of a file that gives none, and in place of that of a 3DM file.
     silent_mm : unit of a file that says nothing of its size.
     fills : read the edges of shapes in SVG that have a fill only.
-
-    Raises
-    ------
-    DrawingError
-        The file cannot be read, or holds no line.
-    NoUnitError
-        The file has no unit, and none is given.
     """
     if not os.path.isfile(path):  # names may be too long
         raise DrawingError(f"there is no such file in {path.parent.absolute()}")
@@ -121,8 +117,6 @@ def read_drawing(
 def closed_curves(lines: Iterable[FileLine], meet_mm: float = MEET_MM) -> list[Floats]:
     """Closed lines (n, 2) mm without their last point, then those that open lines form which meet end to end.
 
-    Examples
-    --------
     >>> corner = FileLine(np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 3.0]]), "cut", None)
     >>> side = FileLine(np.array([[4.0, 3.004], [0.0, 0.0]]), "cut", None)
     >>> closed_curves([corner, side])[0].shape

@@ -63,10 +63,7 @@ class RhinoModel:
     ) -> Iterator[tuple[Any, str, str]]:
         """What `shown` gives, with the parts of blocks in place of the blocks; `number` counts the objects.
 
-        Raises
-        ------
-        DrawingError
-            A block holds itself, or copies are too many.
+        Raises `DrawingError` if a block holds itself, or copies are too many.
         """
         import rhino3dm
 
@@ -139,15 +136,12 @@ def _lines(model: RhinoModel, curve: float, left_out: Counter[str]) -> Iterator[
 def curve_points(geometry: Any, tolerance: float, layer: str = "") -> Floats:
     """Points (n, 2) along a curve of `rhino3dm`, seen from above; a closed one returns to its first point.
 
+    Raises `DrawingError` if a point is not finite, or too far away.
+
     Parameters
     ----------
     tolerance : largest distance of the curve from the lines between them, in its unit.
     layer : for the error.
-
-    Raises
-    ------
-    DrawingError
-        A point is not finite, or too far away.
     """
     pieces = [checked(piece, layer, type(geometry).__name__) for piece in _pieces(geometry, tolerance)]
     if not pieces:

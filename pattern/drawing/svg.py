@@ -46,9 +46,7 @@ _PLACES = ("x", "width", "cx", "x1", "x2", *_UPWARDS)
 def open_svg(path: Path, fills: bool) -> Source:
     """The drawing in an SVG file.
 
-    Parameters
-    ----------
-    fills : shapes that have a fill only are lines too.
+    `fills`: shapes that have a fill only are lines too.
     """
     import svgelements as svg  # slow to import, rarely used
 

@@ -14,8 +14,6 @@ def diameter(positions: Float[np.ndarray, "n 3"]) -> float:
     Exact if at most 1000 points can be ends of the diameter. Nearly spherical sheets have more; then every second,
     third, ... of these points is used.
 
-    Examples
-    --------
     >>> import numpy as np
     >>> diameter(np.array([[0.0, 0.0, 0.0], [3.0, 0.0, 0.0], [3.0, 4.0, 0.0]]))
     5.0

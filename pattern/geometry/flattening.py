@@ -25,8 +25,6 @@ def flattened(
     samples : (s,) increasing parameters, so dense that the curve is nearly straight between them.
     curve_mm : largest distance of the curve from the polyline, in the unit of the curve.
 
-    Examples
-    --------
     >>> quarter = lambda t: 10.0 * np.column_stack([np.cos(t), np.sin(t)])
     >>> len(flattened(quarter, np.linspace(0.0, np.pi / 2, 100), 1.0))  # 90 degrees in pieces of 4
     28

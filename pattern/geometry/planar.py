@@ -31,8 +31,6 @@ def polygon_area(polygon: Float[np.ndarray, "n 2"]) -> float:
 def dense_outline(ring: Float[np.ndarray, "n 2"], step_mm: float = OUTLINE_STEP_MM) -> Float[np.ndarray, "m 2"]:
     """(m, 2) points along a ring (n, 2), its corners among them, at most `step_mm` apart.
 
-    Examples
-    --------
     >>> dense_outline(np.array([[0.0, 0.0], [3.0, 0.0], [0.0, 1.0]])).shape
     (5, 2)
     """
@@ -43,8 +41,6 @@ def dense_outline(ring: Float[np.ndarray, "n 2"], step_mm: float = OUTLINE_STEP_
 def turning_angles(ring: Float[np.ndarray, "n 2"]) -> Float[np.ndarray, " n"]:
     """(n,) rad, angle by which a ring (n, 2) turns left at each point.
 
-    Examples
-    --------
     >>> turning_angles(np.array([[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])).round(4).tolist()
     [1.5708, 1.5708, 1.5708, 1.5708]
     """

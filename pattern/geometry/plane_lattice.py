@@ -17,8 +17,6 @@ GRID_DIRECTIONS = np.array([[1, 0], [0, 1], [-1, 1], [-1, 0], [0, -1], [1, -1]])
 class PlaneLattice:
     """All points `cell @ vectors + origin` for whole numbers `cell`.
 
-    Examples
-    --------
     >>> lattice = PlaneLattice(10.0 * np.eye(2), np.zeros(2))
     >>> lattice.nearest(np.array([[18.0, 4.0]])).tolist()
     [[2, 0]]
@@ -83,8 +81,6 @@ def shortest_basis(basis: Floats) -> Float[np.ndarray, "2 2"]:
 
     The second vector lies 60 to 90 degrees to the left of the first. Their difference is the third shortest step.
 
-    Examples
-    --------
     >>> shortest_basis(np.array([[10.0, 0.0], [30.0, 12.0]])).tolist()
     [[10.0, 0.0], [0.0, 12.0]]
     """

@@ -20,8 +20,6 @@ class TriangleFinder:
     printed : (V, 2) mm.
     triangles : (T, 3).
 
-    Examples
-    --------
     >>> finder = TriangleFinder(np.array([[0.0, 0.0], [4.0, 0.0], [0.0, 4.0]]), np.array([[0, 1, 2]]))
     >>> triangle, weights = finder.nearest(np.array([[1.0, 2.0]]))
     >>> triangle.tolist(), weights.tolist()
@@ -71,6 +69,9 @@ def clipped(weights: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
 def locate(printed: Floats, triangles: Ints, points: Floats, off_sheet_mm: float = 0.0) -> tuple[Ints, Floats]:
     """The triangle that holds each point, and the point's weights there.
 
+    Raises `ValueError` if these are no points, or one is off the sheet by more than `off_sheet_mm` and a rounding
+    error.
+
     Parameters
     ----------
     printed : (V, 2) mm.
@@ -82,11 +83,6 @@ def locate(printed: Floats, triangles: Ints, points: Floats, off_sheet_mm: float
     -------
     triangle : (n,)
     weights : (n, 3) barycentric, never negative, adding up to 1.
-
-    Raises
-    ------
-    ValueError
-        If these are no points, or one is off the sheet by more than `off_sheet_mm` and a rounding error.
     """
     if points.ndim != 2 or points.shape[1] != 2:
         raise ValueError(f"printed points must be pairs of mm, shape (n, 2), got shape {points.shape}")

@@ -37,17 +37,10 @@ MAX_VERTICES = 400_000
 def layout(design: Design) -> Layout:
     """The layout of a design with stars, with drawn rods, or with both: all that is printed, and where it is supported.
 
-    Every model begins here. So arguments that are not designs are refused here.
+    Every model begins here. So arguments that are not designs are refused here. Raises `DesignError` if the sheet
+    cannot be printed. The message names the field, its value and the allowed range. Raises `TypeError` if `design` is
+    not a `Design`.
 
-    Raises
-    ------
-    DesignError
-        The sheet cannot be printed. The message names the field, its value and the allowed range.
-    TypeError
-        `design` is not a `Design`.
-
-    Examples
-    --------
     >>> design = Design.from_dict({"stars": {"length_mm": 10}, "border": {"rings": 1}})
     >>> sheet = layout(design)
     >>> len(sheet.centres), len(sheet.arm_tip), round(sheet.spacing_mm, 2)
@@ -236,10 +229,7 @@ def _check_beside(stars: RodGraph, drawn: RodGraph) -> None:
 def sheet_outline(design: Design) -> Floats:
     """(B, 2) mm, the outline of the sheet, also if the design has no layout.
 
-    Raises
-    ------
-    DesignError
-        The outline does not fit the lattice, or is too large.
+    Raises `DesignError` if the outline does not fit the lattice, or is too large.
     """
     return outline(design.border, design.lattice)
 
@@ -247,10 +237,7 @@ def sheet_outline(design: Design) -> Floats:
 def sheet_sites(design: Design) -> Ints:
     """(P, 2) all lattice sites of the sheet in the order of the stars' numbers, also if the design has no layout.
 
-    Raises
-    ------
-    DesignError
-        The outline does not fit the lattice, or is too large.
+    Raises `DesignError` if the outline does not fit the lattice, or is too large.
     """
     return _kept_sheet(design.border, design.lattice)[2].copy()
 

@@ -58,8 +58,6 @@ class FreeMotions:
 
         Least squares with weights (n,), over the free motions alone.
 
-        Examples
-        --------
         A sheet that is fixed at a point turns about it.
 
         >>> points = np.array([[1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [0.0, 1.0, 0.0]])
@@ -203,10 +201,7 @@ def count_free_tilts(layout: Layout) -> int:
 def check_weight_is_supported(design: Design, layout: Layout) -> None:
     """Refuse a sheet that falls: its first pins must support it along every axis along which gravity acts.
 
-    Raises
-    ------
-    DesignError
-        Gravity is on, and the sheet is free along x, y or z. The message names the axes.
+    Raises `DesignError` if gravity is on, and the sheet is free along x, y or z. The message names the axes.
     """
     if not design.gravity.on:
         return

@@ -260,8 +260,6 @@ def off_curves_mm(layout: Layout, vertices: int) -> float:
 def off_sheet_mm(layout: Layout, vertices: int) -> float:
     """Largest distance of points on the edges of a layout from a mesh with so many vertices, for `Shape.at`.
 
-    Examples
-    --------
     >>> from asterism.pattern.gallery import load
     >>> from asterism.pattern.layout.build import layout
     >>> round(off_sheet_mm(layout(load("dome")), 3781), 2)

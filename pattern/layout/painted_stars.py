@@ -22,7 +22,8 @@ NO_SIZES = (None, None, None)
 def with_painted_stars(design: Design, sites: ArrayLike, sizes_mm: ArrayLike, removed: ArrayLike = ()) -> Design:
     """The design with other sizes at some lattice sites, as entries of `stars.override`.
 
-    Further entries of the design stay. The sizes are not checked here: `layout` refuses those out of range.
+    Further entries of the design stay. The sizes are not checked here: `layout` refuses those out of range. Raises
+    `ValueError` if the arrays have other shapes, or a site is not of whole numbers.
 
     Parameters
     ----------
@@ -30,13 +31,6 @@ def with_painted_stars(design: Design, sites: ArrayLike, sizes_mm: ArrayLike, re
     sizes_mm : (n, 3) length, thickness and width; nan keeps the size that the design has there.
     removed : (m, 2) lattice sites without a star.
 
-    Raises
-    ------
-    ValueError
-        The arrays have other shapes, or a site is not of whole numbers.
-
-    Examples
-    --------
     >>> design = Design.from_dict({"stars": {"length_mm": 10}, "border": {"rings": 1}})
     >>> painted = with_painted_stars(design, [[0, 0]], [[6.0, np.nan, np.nan]], removed=[[1, 0]])
     >>> [(entry.site, entry.length_mm, entry.remove) for entry in painted.stars.override]

@@ -30,18 +30,15 @@ _NO_POINTS: Floats = np.empty((0, 2))
 def pin_set(pins: Pins, corners: Floats, name: str, holes: Sequence[Floats], starts: Ints) -> PinSet:
     """The pins of one entry of `[[pins]]`.
 
+    Raises `DesignError` if an edge, a corner or a hole does not exist, a point is off the sheet, points and targets
+    differ in number, or edges with targets do not follow each other.
+
     Parameters
     ----------
     corners : (B, 2) mm, the outline.
     name : of the entry in messages, e.g. `pins[0]`.
     holes : (n, 2) mm each, their edges.
     starts : (k,) numbers of the corners that the design counts; the others are points of curves.
-
-    Raises
-    ------
-    DesignError
-        An edge, a corner or a hole does not exist, a point is off the sheet, points and targets differ in number, or
-        edges with targets do not follow each other.
     """
     points, edges = _selected(pins, corners, name, holes, starts)
     target = curve = None
@@ -153,16 +150,9 @@ def snapped_to_lines(pins: PinSet, corners: Floats, ends: Floats, lines: NDArray
 def check_pins(sets: Sequence[PinSet], sheet: SheetEdges, starts: Ints) -> None:
     """Refuse pins in holes, places that are held twice, and pins that pull the sheet too far.
 
-    Edges of two sets may share a corner that both hold in the same way.
+    Edges of two sets may share a corner that both hold in the same way. The error names the first of several.
 
-    Parameters
-    ----------
-    starts : as of `pin_set`, to name edges as the design does.
-
-    Raises
-    ------
-    DesignError
-        Of several such pins, the first.
+    `starts`: as of `pin_set`, to name edges as the design does.
     """
     for number, pin in enumerate(sets):
         for hole in sheet.rings[1:]:

@@ -16,8 +16,6 @@ from asterism.pattern.geometry.planar import STRAIGHT_TURN_RAD, polygon_area, tu
 class SheetEdges:
     """All edges of a sheet, which lies to the left of each. A corner has the number of the edge that begins there.
 
-    Examples
-    --------
     >>> square = np.array([[0.0, 0.0], [9.0, 0.0], [9.0, 9.0], [0.0, 9.0]])
     >>> edges = SheetEdges.of(square, [square[:3] / 3.0 + 2.0])
     >>> edges.following.tolist(), edges.numbers(1).tolist(), edges.area_mm2

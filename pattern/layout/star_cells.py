@@ -31,10 +31,7 @@ def star_margin_mm(border: Border, lattice: Lattice) -> float:
 def star_cells(border: Border, lattice: Lattice, corners: Floats, holes: Sequence[Floats]) -> Ints:
     """(n, 2) lattice cells with a star, from the origin outwards, counterclockwise at equal distance.
 
-    Raises
-    ------
-    DesignError
-        The outline has room for more than `MAX_STARS_OF_DESIGN` stars.
+    Raises `DesignError` if the outline has room for more than `MAX_STARS_OF_DESIGN` stars.
     """
     sites = lattice.sites
     if border.rings is not None:
@@ -83,13 +80,8 @@ def _check_count(lattice: Lattice, corners: Floats) -> None:
 def outline(border: Border, lattice: Lattice) -> Floats:
     """(B, 2) mm, corners of the sheet, counterclockwise.
 
-    Raises
-    ------
-    DesignError
-        The hexagon of `border.rings` does not fit the lattice, or is too large.
+    Raises `DesignError` if the hexagon of `border.rings` does not fit the lattice, or is too large.
 
-    Examples
-    --------
     >>> outline(Border(rectangle_mm=(4.0, 2.0)), Lattice()).tolist()
     [[-2.0, -1.0], [2.0, -1.0], [2.0, 1.0], [-2.0, 1.0]]
     """
@@ -162,10 +154,8 @@ class StarSizes:
 def star_sizes(stars: Stars, sites: Ints, lattice: Lattice) -> StarSizes:
     """The sizes of all stars; an arm is at most as long as the spacing.
 
-    Raises
-    ------
-    DesignError
-        A size is out of its range, or an entry of `stars.override` fits no star. The message names the first such star.
+    Raises `DesignError` if a size is out of its range, or an entry of `stars.override` fits no star. The message names
+    the first such star.
     """
     centres, spacing, arm_directions = lattice.sites.place(sites), lattice.spacing_mm, lattice.arm_directions
     field = "stars.length_mm" if stars.length_fraction is None else "stars.length_fraction"

@@ -54,12 +54,8 @@ class SupportCurve:
     def through(cls, corners: Floats, places: Floats, given: Ints | None = None) -> SupportCurve:
         """The curve through places (g, 3) mm of corners (k, 2) mm; both end with the first row if it is closed.
 
-        Parameters
-        ----------
-        given : (g,) numbers of the corners that have a place, the first and the last among them; by default all.
+        `given`: (g,) numbers of the corners that have a place, the first and the last among them; by default all.
 
-        Examples
-        --------
         >>> corners = np.array([[0.0, 0.0], [10.0, 0.0], [20.0, 0.0]])
         >>> curve = SupportCurve.through(corners, np.column_stack([0.8 * corners, [0.0, 3.0, 0.0]]))
         >>> curve.places(np.array([[5.0, 0.0]])).round(3).tolist()
@@ -173,8 +169,6 @@ def _sharp(corners: Floats, is_closed: bool) -> np.ndarray:
 class PinSet:
     """Places of the sheet that are all supported in the same way.
 
-    Examples
-    --------
     >>> pins = PinSet(np.array([[10.0, -20.0]]), (), FIXED_BY_SLIDE["z"], scale=0.5)
     >>> pins.places(pins.points).tolist()
     [[5.0, -10.0, 0.0]]
@@ -254,8 +248,6 @@ class PinSet:
 
         A chain all around the outline or a hole ends with its first corner.
 
-        Examples
-        --------
         >>> hexagon = SheetEdges.of(np.array([[2, 0], [1, 2], [-1, 2], [-2, 0], [-1, -2], [1, -2]]))
         >>> PinSet(np.empty((0, 2)), (5, 0, 2), FIXED_BY_SLIDE[None]).chains(hexagon)
         [[5, 0, 1], [2, 3]]

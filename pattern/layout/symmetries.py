@@ -32,8 +32,6 @@ ZERO_MOMENT = 1e-4
 class Symmetry:
     """A motion `p -> turn p + shift` of the print that maps it onto itself.
 
-    Notes
-    -----
     If `x(p)` is an equilibrium, so is the shape `x'(p) = Q x(turn p + shift)`. Q is any proper rotation if `turn` is
     one. A mirror puts the plastic on the wrong side of the print. So for a mirror Q must be improper: the shape is
     reflected in space too, which leaves its energy unchanged. Of these shapes `in_space` gives the one whose supported
@@ -182,8 +180,6 @@ def _candidate_turns(graph: RodGraph, centre: Floats) -> list[Floats]:
 
     The identity is the first.
 
-    Notes
-    -----
     A rotation by an angle a multiplies the moment `m_k`, the integral of `(x + iy)^k` over the rods, by `exp(ika)`, and
     a mirror about an axis at b conjugates it and multiplies by `exp(2ikb)`. The first moment that is not zero allows k
     rotations and k axes.

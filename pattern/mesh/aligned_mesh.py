@@ -37,15 +37,12 @@ MIN_STATION_EDGE_FACTOR = 0.25
 def aligned_mesh(layout: Layout, edge_mm: float, draft: bool = False) -> Mesh:
     """Refine the lattice of the stars and move the grid points near tips and outline onto them.
 
+    Raises `MeshError` if arms do not lie on lattice lines, or moving grid points would flatten triangles.
+
     Parameters
     ----------
     edge_mm : requested edge length; the spacing is divided into the nearest whole number of edges.
     draft : the strip along other outlines is smoothed only until its angles pass the check.
-
-    Raises
-    ------
-    MeshError
-        Arms do not lie on lattice lines, or moving grid points would flatten triangles.
     """
     check_edge(layout, edge_mm)
     grid = _LatticeGrid.of(layout, edge_mm)

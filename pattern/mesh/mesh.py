@@ -46,10 +46,7 @@ def check_edge(layout: Layout, edge_mm: float) -> None:
 def checked(mesh: Mesh, layout: Layout, smallest_angle_deg: float) -> Mesh:
     """The mesh itself, if its triangles fill the sheet, are not too flat, and their edges follow the arms.
 
-    Raises
-    ------
-    MeshError
-        The message names the condition that fails, and the place or the angle.
+    Raises `MeshError`; the message names the condition that fails, and the place or the angle.
     """
     areas = triangle_areas(mesh.points, mesh.triangles)
     # of a sheet with a rim, the outline of the mesh has chords of its curves

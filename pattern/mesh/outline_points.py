@@ -89,8 +89,6 @@ def points_along(rod: Rod, step: float, wanted: Floats, tolerance: float, is_str
 def points_around(ring: Floats, step: float, pins: Floats, tolerance: float) -> Floats:
     """(n, 2) mm, points of the edge (m, 2) of a hole, from corner to corner and about `step` (mm) apart.
 
-    Examples
-    --------
     >>> square = np.array([[0.0, 0.0], [4.0, 0.0], [4.0, 4.0], [0.0, 4.0]])
     >>> len(points_around(square, 2.0, np.empty((0, 2)), 1e-6))
     8

@@ -64,6 +64,8 @@ def sheet_mesh(
 ) -> SheetMesh:
     """Mesh a polygon with holes.
 
+    Raises `MeshError` if the outline crosses itself.
+
     Parameters
     ----------
     border : (B, 2) mm, simple polygon, counterclockwise.
@@ -72,11 +74,6 @@ def sheet_mesh(
     held_sides : groups of edges of the sheet that are supported alike, numbered as in `SheetEdges`. Where a group ends,
         there is a point of the mesh.
     holes : (n, 2) mm each, inside the polygon and apart from each other.
-
-    Raises
-    ------
-    MeshError
-        The outline crosses itself.
     """
     held = np.empty((0, 2)) if held_points is None else np.asarray(held_points, dtype=float).reshape(-1, 2)
     near = 1e-6 * float(np.ptp(border, axis=0).max())

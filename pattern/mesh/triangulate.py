@@ -27,8 +27,9 @@ def triangulate(
 ) -> tuple[Floats, Ints]:
     """Constrained Delaunay triangulation of the region that closed loops of segments enclose.
 
-    Segments are never split. Refinement adds points inside only, so that triangles at the segments may miss the
-    angle and the area asked for.
+    Segments are never split. Refinement adds points inside only, so that triangles at the segments may miss the angle
+    and the area asked for. Raises `MeshError` if the input is not such a set of points and segments, or the mesh would
+    be too large.
 
     Parameters
     ----------
@@ -42,11 +43,6 @@ def triangulate(
     -------
     points : (N, 2), N >= n; the first n are those given, bit for bit.
     triangles : (T, 3), counterclockwise.
-
-    Raises
-    ------
-    MeshError
-        The input is not such a set of points and segments, or the mesh would be too large.
     """
     p, s, h = _arrays(points, segments, holes)
     centre = (p.min(axis=0) + p.max(axis=0)) / 2

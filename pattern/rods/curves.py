@@ -27,13 +27,8 @@ _LINE_OF_EDGE = {"circle_mm": "circle_mm", "polygon_mm": "line_mm", "spline_mm":
 def polyline(line: DrawnLine, curve_mm: float) -> Floats:
     """(n, 2) mm, the points of a line; the last is the first if it is closed.
 
-    Raises
-    ------
-    DesignError
-        Points that follow each other are the same.
+    Raises `DesignError` if points that follow each other are the same.
 
-    Examples
-    --------
     >>> polyline(DrawnLine(circle_mm={"radius": 10.0}), 1.0).shape
     (91, 2)
     >>> polyline(DrawnLine(line_mm=[(0.0, 0.0), (4.0, 0.0), (4.0, 3.0)], closed=True), 1.0).tolist()
@@ -94,8 +89,6 @@ def _spline(points: Floats, step: Floats, closed: bool) -> tuple[CubicSpline, Fl
 def curved_outline(border: Border, curve_mm: float) -> Floats:
     """(n, 2) mm, the outline that arcs over the edges of a polygon make, or a spline; the given points are among them.
 
-    Examples
-    --------
     >>> square = [(-9.0, -9.0), (9.0, -9.0), (9.0, 9.0), (-9.0, 9.0)]
     >>> curved_outline(Border(polygon_mm=square, bulge_mm=(-0.3, 0.0, 0.0, 0.0)), 0.1).round(3).tolist()
     [[-9.0, -9.0], [0.0, -8.7], [9.0, -9.0], [9.0, 9.0], [-9.0, 9.0]]
@@ -127,8 +120,6 @@ def _bent(corners: Floats, bulges: Sequence[float], curve_mm: float) -> Floats:
 def hole_rings(border: Border, curve_mm: float) -> list[tuple[str, Floats]]:
     """The holes that are no drawn rods: the field that names each one, and its edge (n, 2) mm, not closed.
 
-    Examples
-    --------
     >>> border = Border.model_validate(
     ...     {"rectangle_mm": [40.0, 40.0], "holes": [{"polygon_mm": [[0, 0], [9, 0], [0, 9]]}]}
     ... )
@@ -152,10 +143,7 @@ def hole_rings(border: Border, curve_mm: float) -> list[tuple[str, Floats]]:
 def check_holes(rings: Sequence[tuple[str, Floats]], corners: Floats, margin_mm: float) -> None:
     """Refuse edges that cross themselves, the outline (B, 2) mm or each other, or leave less fabric than a margin.
 
-    Raises
-    ------
-    DesignError
-        The message names the hole and the place.
+    Raises `DesignError`; the message names the hole and the place.
     """
     if not rings:
         return

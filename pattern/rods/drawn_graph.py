@@ -54,17 +54,10 @@ class PlacedLine:
 def drawn_pattern(rods: Rods, border: Border, lattice: Lattice, corners: Floats | None) -> DrawnPattern:
     """The graph and the outline of a design with drawn rods.
 
-    Parameters
-    ----------
-    corners : (B, 2) mm, the outline; None if a line is the outline (`border.rods`).
+    Raises `DesignError` if the drawing cannot be printed. The message names the lines and the place.
 
-    Raises
-    ------
-    DesignError
-        The drawing cannot be printed. The message names the lines and the place.
+    `corners`: (B, 2) mm, the outline; None if a line is the outline (`border.rods`).
 
-    Examples
-    --------
     >>> ring = Rods.model_validate({"draw": [{"name": "rim", "circle_mm": {"radius": 20.0}}]})
     >>> sheet = drawn_pattern(ring, Border(rods="rim"), Lattice(), None)
     >>> len(sheet.graph.rods), sheet.rim, sheet.graph.joints, round(sheet.graph.total_length, 1)
@@ -116,10 +109,7 @@ def drawn_pattern(rods: Rods, border: Border, lattice: Lattice, corners: Floats 
 def graph_of_lines(lines: list[PlacedLine], rods: Rods) -> tuple[RodGraph, list[Piece]]:
     """The graph of lines that are cut where they meet, and the piece of a line that each rod is.
 
-    Raises
-    ------
-    DesignError
-        The lines cannot be printed. The message names them and the place.
+    Raises `DesignError` if the lines cannot be printed. The message names them and the place.
     """
     # distance of two nodes over the least width of a line, below which they print as one
     merge = 0.5 * min(float(rod_of_piece(each, each.points, 0, 0, rods).width.min()) for each in lines)
@@ -299,6 +289,8 @@ class Piece:
 def cut_lines(lines: list[Floats], join_mm: float, merge_mm: float, names: list[str]) -> tuple[Floats, list[Piece]]:
     """Nodes (N, 2) mm of lines, and the pieces between them, line by line along the line.
 
+    Raises `DesignError` if two lines lie on each other.
+
     Parameters
     ----------
     lines : polylines (n, 2) mm; a closed one ends with its first point.
@@ -306,13 +298,6 @@ def cut_lines(lines: list[Floats], join_mm: float, merge_mm: float, names: list[
     merge_mm : nodes nearer than this to each other become one, and loose ends shorter than this are dropped.
     names : of the lines, for messages.
 
-    Raises
-    ------
-    DesignError
-        Two lines lie on each other.
-
-    Examples
-    --------
     Two lines that cross, one of which ends just beside a third:
 
     >>> cross = [np.array([[-5.0, 0.0], [5.0, 0.0]]), np.array([[0.0, -5.0], [0.0, 4.95]])]

@@ -22,8 +22,6 @@ CORNER_DEG = 10.0
 class Rod:
     """A rod from one node to another.
 
-    Examples
-    --------
     >>> ends = np.array([[0.0, 0.0], [10.0, 0.0]])
     >>> rod = Rod(ends, 0, 1, np.array([0.3, 0.5]), np.array([1.2, 1.2]))
     >>> rod.length, rod.at(rod.thickness, np.array([0.5])).tolist()
@@ -92,8 +90,6 @@ class RodEnd(NamedTuple):
 class RodGraph:
     """Nodes and rods.
 
-    Examples
-    --------
     Two rods that meet at a right angle are bonded there, and end freely at their other nodes:
 
     >>> nodes, sizes = np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 5.0]]), np.array([0.3, 0.3])
@@ -166,8 +162,6 @@ def apart_by_face(graph: RodGraph) -> RodGraph:
     meet, and turn freely against each other. So two nodes may be at one place. `paired` and `bonded` of the graph are
     empty.
 
-    Examples
-    --------
     Two rods in one line and two across them. Those across are below, so nothing is bonded:
 
     >>> ends, sizes = np.array([[-9.0, 0.0], [9.0, 0.0], [0.0, -9.0], [0.0, 9.0]]), np.array([0.3, 0.3])

@@ -37,13 +37,8 @@ class MotifGraph:
 def motif_graph(rods: Rods, lattice: Lattice) -> MotifGraph:
     """The graph of the motif of `[rods]` on a lattice. Lines of neighbouring copies cut each other, and bond.
 
-    Raises
-    ------
-    DesignError
-        There is no motif, its sizes vary over the sheet, or it cannot be printed.
+    Raises `DesignError` if there is no motif, its sizes vary over the sheet, or it cannot be printed.
 
-    Examples
-    --------
     A square grid has one node and two rods in its cell, which lead to the next cells:
 
     >>> grid = Rods.model_validate({"motif": [{"line_mm": [(0, 0), (10, 0)]}, {"line_mm": [(0, 0), (0, 10)]}]})

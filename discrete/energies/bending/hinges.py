@@ -117,8 +117,6 @@ class Hinges(Elements):
     coefficient : (H,) N mm, c.
     fold : (H,) N mm, f.
 
-    Examples
-    --------
     Two triangles folded by 90 degrees, `W = c (2 tan(45 deg))^2`:
 
     >>> fold = np.array([[0, 0, 0], [0, 1, 0], [-1, 0, 0], [0, 0, 1.0]])
@@ -143,8 +141,6 @@ class Hinges(Elements):
 def interior_edges(triangles: Array) -> Array:
     """(H, 4) hinges of counterclockwise triangles (T, 3), sorted by the vertices of their edges.
 
-    Examples
-    --------
     >>> interior_edges(np.array([[0, 1, 2], [0, 2, 3]])).tolist()
     [[2, 0, 1, 3]]
     """

@@ -72,19 +72,15 @@ class Patches:
 def patches(triangles: Array, points: Array, surrounding: Array | None = None) -> Patches:
     """Patches of the triangles of a mesh.
 
+    Raises `MeshError` if a triangle has fewer than three more vertices around it that do not lie on a conic with its
+    own.
+
     Parameters
     ----------
     triangles : (T, 3) vertices, counterclockwise.
     points : (V, 2) mm.
     surrounding : (R, 3) more triangles, whose vertices may serve as extra vertices; they get no patch.
 
-    Raises
-    ------
-    MeshError
-        A triangle has fewer than three more vertices around it that do not lie on a conic with its own.
-
-    Examples
-    --------
     On an equilateral triangle in the middle of a larger one the extra vertices are the three corners. The quadratic
     `x^2 - 2 x + y/h` is 0 at the corners of the small one, and its second derivatives are 2, 0 and 0:
 
@@ -390,6 +386,8 @@ def plate_hessian(q, p, blend, h):  # type: ignore[no-untyped-def]
 class Plate(Elements):
     """Plate bending of the fabric, one patch for each triangle.
 
+    Raises `MeshError` if a triangle has too few vertices around it, see `patches`.
+
     Parameters
     ----------
     triangles : (T, 3) vertices, counterclockwise.
@@ -398,13 +396,6 @@ class Plate(Elements):
     area_ratio : rest area over printed area.
     surrounding : (R, 3) triangles next to these, whose vertices belong to patches; they have no energy.
 
-    Raises
-    ------
-    MeshError
-        A triangle has too few vertices around it, see `patches`.
-
-    Examples
-    --------
     A paraboloid of curvature 0.001/mm has the energy `D (1 + nu) k^2` per area; here D = 8 N mm, A = sqrt(3) mm^2:
 
     >>> h = 3.0**0.5

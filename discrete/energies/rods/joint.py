@@ -149,8 +149,6 @@ class RodJoint(Elements):
     params : (H, 8) B/l, C/l and T/l (N mm), half the rest angle k_b0 (rad), the printed unit direction (a_x, a_y) from
         the joint along the edge, -1 if the edge runs towards the joint, else 1, and half the rest twist m0 (rad).
 
-    Examples
-    --------
     An edge that leaves its joint at an angle of 0.1 rad out of the sheet, B/l = 5 N mm:
 
     >>> params = np.array([[5.0, 50.0, 5.0, 0.0, 1.0, 0.0, 1.0, 0.0]])

@@ -46,8 +46,6 @@ def rod_network(
     bends and twists with weight 1/(N - 1). Three arms have the paper's weight 1/2 (section 3.2); two arms are one
     straight rod.
 
-    Examples
-    --------
     Three arms of one edge each from vertex 0:
 
     >>> tips = np.array([[0, 0], [1, 0], [-0.5, 0.9], [-0.5, -0.9]])
@@ -180,8 +178,6 @@ def joint_network(paths: tuple[Array, ...], joints: Sequence[Sequence[tuple[int,
     paths : one path of vertices for each rod, in the order of the edges of its `RodNetwork`.
     joints : for each joint the ends of rods there: number of the rod, and 0 for its start or 1 for its end.
 
-    Examples
-    --------
     A rod over vertices 0, 1, 2 and a branch from vertex 2 to 3:
 
     >>> corner = joint_network((np.array([0, 1, 2]), np.array([2, 3])), [[(0, 1), (1, 0)]])
@@ -267,16 +263,12 @@ def fitted_frames(joints: JointNetwork, edges: Array, printed: Array, positions:
 def torsion_constant(width: Array, thickness: Array) -> Array:
     """Saint-Venant's torsion constant J of rectangles.
 
-    Parameters
-    ----------
-    width, thickness : (...) mm, in any order.
+    `width`, `thickness`: (...) mm, in any order.
 
     Returns
     -------
     (...) mm^4. The series of Timoshenko and Goodier, Theory of Elasticity, section 109, up to terms below 1e-9.
 
-    Examples
-    --------
     The square has J = 0.1406 a^4, a thin strip nearly a b^3/3:
 
     >>> torsion_constant(np.array([1.0, 100.0]), np.array([1.0, 1.0])).round(4)

@@ -82,8 +82,6 @@ class RodStretch(Elements):
     inputs, dofs : (R, 6) coordinates of the two vertices.
     params : (R, 2) axial stiffness EA (N) and printed length l (mm).
 
-    Examples
-    --------
     An edge of 10 mm with EA = 100 N, stretched by 1 %, stores `EA/2 l strain^2`:
 
     >>> edge = np.arange(6)[None]
@@ -234,8 +232,6 @@ class RodBend(Elements):
     params : (S, 6) B_b/L and B_n/L (N mm), integrated rest curvatures k_b0 and k_n0 (rad), and the signs of the two
         edges: -1 if the stencil runs against the edge.
 
-    Examples
-    --------
     A straight stencil with rest curvature k_b0 = 0.1 rad and B_b/L = 5 N mm; bent by that angle it has no energy:
 
     >>> params = np.array([[5.0, 50.0, 0.1, 0.0, 1.0, 1.0]])
@@ -326,8 +322,6 @@ class RodTwist(Elements):
     params : (S, 4) GJ/L (N mm), the signs of the two edges: -1 if the stencil runs against the edge, and the rest
         twist m0 (rad).
 
-    Examples
-    --------
     Two edges in a line, the second director rotated by 0.1 rad, GJ/L = 5 N mm:
 
     >>> points, directors = [0, 0, 0, 1, 0, 0, 2, 0, 0], [0, 0, 1, 0, -np.sin(0.1), np.cos(0.1)]

@@ -64,8 +64,6 @@ def checked_expression(text: str) -> str:
 def evaluate(text: str, variables: Mapping[str, Floats]) -> Floats:
     """Values of the formula, of the shape of the variables; inf or nan where it has no value.
 
-    Examples
-    --------
     >>> evaluate("where(x > 0, 2, 1)", {"x": np.array([-1.0, 1.0])}).tolist()
     [1.0, 2.0]
     """

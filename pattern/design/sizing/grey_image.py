@@ -27,10 +27,7 @@ class ImageError(Exception):
 def read_grey(path: Path) -> Grey:
     """(rows, columns) grey values 0-255 of a picture, scaled down to at most 256 pixels a side.
 
-    Raises
-    ------
-    ImageError
-        There is no such file, it is too large, or it is not a picture.
+    Raises `ImageError` if there is no such file, it is too large, or it is not a picture.
     """
     from PIL import Image, ImageOps  # slow to import, rarely used
 
@@ -92,8 +89,6 @@ def _eight_bits(picture: Any) -> Any:
 def pack_image(grey: Grey) -> str:
     """Grey values compressed as text.
 
-    Examples
-    --------
     >>> unpack_image(pack_image(np.array([[0, 255]], dtype=np.uint8)), 1, 2).tolist()
     [[0.0, 1.0]]
     """
@@ -103,10 +98,7 @@ def pack_image(grey: Grey) -> str:
 def unpack_image(text: str, rows: int, columns: int) -> Floats:
     """(rows, columns) grey values from 0 (black) to 1 (white) of a text made by `pack_image`.
 
-    Raises
-    ------
-    ValueError, zlib.error, binascii.Error
-        The text does not hold that many values.
+    Raises `ValueError`, `zlib.error` or `binascii.Error` if the text does not hold that many values.
     """
     packed = base64.b64decode(text, validate=True)
     raw = zlib.decompressobj().decompress(packed, MAX_PIXELS_A_SIDE**2)  # bounded, whatever the text claims to hold

@@ -74,8 +74,6 @@ class AxisProfile(GradientProfile):
 class FormulaProfile(Profile):
     """A formula in x, y (mm), r (mm from the origin) and theta (rad from the x axis).
 
-    Examples
-    --------
     >>> FormulaProfile(formula="5 + r/10").at(np.array([[3.0, 4.0]])).tolist()
     [5.5]
     """
@@ -171,8 +169,6 @@ class PictureProfile(Profile):
 class RadialProfile(GradientProfile):
     """From the value at `centre_mm` to the value at the distance `over_mm` and beyond.
 
-    Examples
-    --------
     >>> radial = RadialProfile.model_validate({"profile": "radial", "from": 10, "to": 4, "over_mm": 30})
     >>> radial.at(np.array([[0.0, 0.0], [15.0, 0.0], [0.0, 60.0]])).tolist()
     [10.0, 7.0, 4.0]
@@ -192,8 +188,6 @@ class TableProfile(Profile):
 
     `smooth` puts a monotone cubic through the entries instead. It never exceeds their range.
 
-    Examples
-    --------
     >>> table = TableProfile(profile="table", distance_mm=(0.0, 10.0), values=(2.0, 4.0))
     >>> table.at(np.array([[5.0, 0.0], [0.0, 50.0]])).tolist()
     [3.0, 4.0]
@@ -273,8 +267,6 @@ SizingField = Annotated[float | SerializeAsAny[Profile], PlainValidator(_read)]
 def sample(field: float | Profile, points: Floats) -> Floats:
     """(n,) values of a sizing field at the printed points (n, 2) mm.
 
-    Examples
-    --------
     >>> sample(7.5, np.zeros((2, 2))).tolist()
     [7.5, 7.5]
     """
