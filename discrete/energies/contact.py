@@ -17,12 +17,8 @@ from asterism.equilibrium.arrays import Array
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.mesh.mesh import Mesh
 
-# 1: smallest distance of two middle surfaces over the distance at which contact begins
-MIN_DISTANCE_FRACTION = 0.5
 # 1: printed distance up to which two parts are neighbours, over the longest edge plus the contact distance
 NEIGHBOUR_DISTANCE_FACTOR = 1.5
-# iterations of the search for the first contact along a step (additive CCD, Li et al. 2021)
-MAX_CCD_ITERATIONS = 1000
 
 
 def ipc_toolkit() -> Any:
@@ -59,7 +55,8 @@ class ContactBarrier:
 
     def __init__(self, mesh: Mesh, distance: float, stretch: float, modulus: float) -> None:
         self._ipc = ipc_toolkit()
-        self.distance, self.min_distance = distance, MIN_DISTANCE_FRACTION * distance
+        # the smallest distance of two middle surfaces
+        self.distance, self.min_distance = distance, 0.5 * distance
         self._barrier_width = distance - self.min_distance
         triangles = mesh.triangles.astype(np.int32)
         edges = self._ipc.edges(triangles).astype(np.int32)
@@ -122,8 +119,8 @@ class ContactBarrier:
     def collision_free_fraction(self, positions: Array, target: Array) -> float:
         """Largest fraction of the straight step to `target` (V, 3) mm without contact at `min_distance`; at most 1."""
         step = (np.asfortranarray(x) for x in (positions, target))
-        # additive CCD is safe after any number of iterations; other methods may not end in flat sheets
-        search = self._ipc.AdditiveCCD(max_iterations=MAX_CCD_ITERATIONS)
+        # additive CCD (Li et al. 2021) is safe after any number of iterations; other methods may not end in flat sheets
+        search = self._ipc.AdditiveCCD(max_iterations=1000)
         return float(
             self._ipc.compute_collision_free_stepsize(self._mesh, *step, self.min_distance, narrow_phase_ccd=search)
         )

@@ -14,8 +14,6 @@ from asterism.equilibrium.linear.backends import make_solver
 from asterism.equilibrium.linear.factor import Factor
 from asterism.equilibrium.linear.sparse_pattern import SparsePattern, independent_dofs
 
-# 1: product of Hessian and rigid motion over the largest entry of the Hessian, by rounding alone
-HESSIAN_ROUNDING = 1e-13
 # elements whose Hessians are in memory at a time; so many fit in the cache of the processor
 ELEMENTS_PER_BATCH = 1024
 
@@ -131,10 +129,8 @@ class System:
         data = self.hessian(state, 0.0)
         stiffness = self.pattern.product(data, modes)
         size_mm = float(np.linalg.norm(state.positions - state.positions.mean(axis=0)))
-        rounding = (
-            HESSIAN_ROUNDING * np.abs(data[self.pattern.diagonal]).max()
-            + np.linalg.norm(self.gradient(state)) / size_mm
-        )
+        # by rounding alone, the product of Hessian and rigid motion over the largest entry of the Hessian is 1e-13
+        rounding = 1e-13 * np.abs(data[self.pattern.diagonal]).max() + np.linalg.norm(self.gradient(state)) / size_mm
         _, size, rows = np.linalg.svd(stiffness, full_matrices=False)
         return np.asarray(modes @ rows[size < rounding].T)
 

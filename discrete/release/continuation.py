@@ -26,35 +26,12 @@ from asterism.equilibrium.newton.minimise import Iteration, Minimum, minimise
 from asterism.pattern.geometry.rigid_fit import rigid_fit
 
 Report = Callable[[str, Iteration], None]
-# 1: gradient norm over the force scale, at the equilibrium
-EQUILIBRIUM_TOLERANCE = 1e-8
-# 1: gradient norm over the force scale, at the steps before it
-PATH_TOLERANCE = 1e-4
-# 1: gradient norm over the norm of the vertex weights; the weight alone decides how a stiff sheet on needles hangs
-WEIGHT_TOLERANCE = 1e-3
-# 1: decrease of the energy by a Newton step over the elastic energy, after which a coarse mesh is accurate enough
-COARSE_DECREASE = 1e-7
-# 1: the same at the steps before the equilibrium
-PATH_DECREASE = 1e-4
-# 1: the same of steps beside a saddle
-SADDLE_DECREASE = 1e-6
-# 1: negative eigenvalue over modulus times thickness, beyond which a loosely converged state counts as unstable
-INSTABILITY_THRESHOLD = 1e-7
-# 1: first blend of the Hessian at a state from another mesh; the factorisation would refuse smaller ones
-PROLONGED_BLEND = 1.0
 # iterations of all minimisations on one mesh: designs of the study take 60 to 220, contact takes 463; then the search
 # ends with its last state, which is the lowest
 MAX_RELEASE_ITERATIONS = 3000
 MAX_ITERATIONS = 500  # of each minimisation
 # perturbations along negative modes in each step
 MAX_PERTURBATIONS = 5
-# steps in which pins that act after the release move to their targets
-PIN_LOAD_STEPS = 5
-# 1: total weight of the free vertices over that of the held ones, in the rigid fit of a free sheet to its pins; it
-# decides a rotation that the pins leave undetermined
-FREE_VERTEX_WEIGHT = 1e-6
-# mm, largest displacement when a saddle is left, at the paper's spacing of the stars and in proportion at others
-MAX_SADDLE_MOVE_MM = 2.0
 
 
 def prefixed_report(report: Report | None, name: str) -> Report | None:
@@ -70,7 +47,8 @@ def force_scale(model: DiscreteModel) -> float:
 
 def gradient_tolerance(model: DiscreteModel) -> float:
     """N, largest gradient norm of an equilibrium, relative to the force scale and to the weight."""
-    elastic, weight = EQUILIBRIUM_TOLERANCE * force_scale(model), WEIGHT_TOLERANCE * float(np.linalg.norm(model.load))
+    # the weight alone decides how a stiff sheet on needles hangs
+    elastic, weight = 1e-8 * force_scale(model), 1e-3 * float(np.linalg.norm(model.load))
     return min(elastic, weight) if weight else elastic
 
 
@@ -114,7 +92,8 @@ def solve_on_mesh(
         state = model.apply_supports(start)
         if not is_intersection_free(model, state):
             raise ValueError("start: the state passes through itself; contact cannot separate intersecting parts")
-        return continuation.minimise_from(model, state, PROLONGED_BLEND)
+        # the first blend of the Hessian is 1: the factorisation would refuse smaller ones
+        return continuation.minimise_from(model, state, 1.0)
     try:
         return continuation.follow(model, start or start_of_design(model.design))
     except BaseException:
@@ -166,7 +145,7 @@ class _Continuation:
         return state
 
     def _move_pins(self, model: DiscreteModel, state: State, step: int, factor: Factor) -> State:
-        for progress in np.linspace(0.0, 1.0, PIN_LOAD_STEPS + 1)[1:]:
+        for progress in np.linspace(0.0, 1.0, 6)[1:]:
             model.pin_progress = float(progress)
             state = model.apply_supports(state)
             name = f"pins of step {step}, {100 * progress:.0f} % of their way"
@@ -176,8 +155,9 @@ class _Continuation:
     def _follow_step(self, model: DiscreteModel, state: State, step: int, factor: Factor, name: str) -> State:
         """Minimise to the path tolerance; perturb an unstable state along its negative mode and minimise again."""
         fabric = model.design.fabric
-        threshold = INSTABILITY_THRESHOLD * fabric.modulus * fabric.thickness_mm
-        tolerance = PATH_TOLERANCE * force_scale(model)
+        # N/mm, negative eigenvalue beyond which a loosely converged state counts as unstable
+        threshold = 1e-7 * fabric.modulus * fabric.thickness_mm
+        tolerance = 1e-4 * force_scale(model)
         result = self._minimise(model, state, tolerance, factor, "release", name, self.blend)
         self.blend = result.blend
         iterations, kicks = result.iterations, 0
@@ -267,7 +247,7 @@ class _Continuation:
         """Newton's method to a gradient norm of `tolerance` N, timed as `stage` and reported as `name`."""
         report, energies = self.report, model.energies(state)
         # of the elastic energy: such a decrease ends a step of the path, or the search on a coarse mesh
-        fraction = PATH_DECREASE if stage == "release" else COARSE_DECREASE if self.coarse else 0.0
+        fraction = 1e-4 if stage == "release" else 1e-7 if self.coarse else 0.0
         # without iterations, a minimisation returns its state, and the certificate says that it is no equilibrium
         left = max(MAX_RELEASE_ITERATIONS - self.iterations, 0)
         stage_report = (lambda iteration: report(name, iteration)) if report else None
@@ -283,7 +263,7 @@ class _Continuation:
                 blend=blend,
                 check_definite=stage == "release",  # at the end the certificate decides
                 small_decrease=fraction * elastic,
-                saddle_decrease=SADDLE_DECREASE * elastic if seek_saddle else 0.0,
+                saddle_decrease=1e-6 * elastic if seek_saddle else 0.0,
             )
         self.iterations += result.iterations
         self.factorisations += result.factorisations
@@ -323,12 +303,14 @@ def _fitted_to_pins(model: DiscreteModel, state: State) -> State:
     """
     components = model.constraints.held.sum(axis=1)
     fitted = components == components.max()
-    weight = np.where(fitted, 1.0 / fitted.sum(), FREE_VERTEX_WEIGHT / model.n_vertices)
+    # the free vertices decide a rotation that the pins leave undetermined
+    weight = np.where(fitted, 1.0 / fitted.sum(), 1e-6 / model.n_vertices)
     rotation, shift = rigid_fit(state.positions, model.constraints.target, weight)
     return state.rotated(rotation, shift)
 
 
 def _leave_saddle_of_model(model: DiscreteModel, state: State, pair: Eigenpair) -> State:
     """The state moved along a negative mode to its lower side, while the energy falls and no further than the limit."""
-    lower: State = leave_saddle(model, state, pair.vector, spacing_ratio(model) * MAX_SADDLE_MOVE_MM)
+    # 2 mm at the paper's spacing of the stars, and in proportion at others
+    lower: State = leave_saddle(model, state, pair.vector, spacing_ratio(model) * 2.0)
     return lower

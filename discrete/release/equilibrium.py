@@ -13,8 +13,6 @@ from asterism.equilibrium.arrays import Array, Ints
 from asterism.pattern.geometry.normals import vertex_normals
 from asterism.pattern.layout.roll_axis import roll_axis_from_normals
 
-MIN_SIDE_BUMP_MM = 1e-6  # mm, smallest height of a bump that counts as up or down
-
 
 @dataclass(frozen=True)
 class PathStep:
@@ -65,7 +63,8 @@ class Equilibrium:
     @property
     def sides(self) -> Ints:
         """(S,) 1 for stars that bump to the plastic side, -1 for inverted stars, 0 for flat ones."""
-        return np.where(np.abs(self.bumps) > MIN_SIDE_BUMP_MM, np.sign(self.bumps), 0.0).astype(np.int64)
+        # stars with a lower bump are flat
+        return np.where(np.abs(self.bumps) > 1e-6, np.sign(self.bumps), 0.0).astype(np.int64)
 
     @property
     def stars_up(self) -> int:

@@ -18,7 +18,6 @@ from asterism.pattern.layout.free_motions import FreeMotions
 from asterism.pattern.layout.symmetries import Symmetry, distances_of_images, symmetries
 
 SAME_FORM_PERCENT = 0.5  # % of the diameter, rms distance below which two minima are the same form
-MAX_REFINED_FORMS = 6  # lowest forms that are solved on the fine mesh, besides the result and that of the default start
 
 
 @dataclass(frozen=True)
@@ -103,7 +102,8 @@ def find_minima(ladder: Ladder, starts: int, backend: str = "auto", report: Repo
         else:
             lost += 1
     coarse = _best_first(distinct_forms(forms, design_symmetries))
-    lowest = sorted(range(len(coarse)), key=lambda i: coarse[i].equilibrium.energy)[:MAX_REFINED_FORMS]
+    # so many forms are solved on the fine mesh, besides the result and that of the default start
+    lowest = sorted(range(len(coarse)), key=lambda i: coarse[i].equilibrium.energy)[:6]
     refined = [i == 0 or i in lowest or form.default for i, form in enumerate(coarse)]
     fine = []
     for number, form in enumerate(form for form, chosen in zip(coarse, refined, strict=True) if chosen):

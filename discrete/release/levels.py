@@ -30,27 +30,14 @@ from asterism.pattern.geometry.rigid_fit import rigid_fit
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.meshing import mesh_layout
 
-# the coarsest mesh of a search to a tolerance: edges between two adjacent stars, and vertices of a small sheet
-COARSEST_EDGES_PER_SPACING = 5
-LEAST_VERTICES = 300
 # 1: edges of a mesh over those of the next finer one
 EDGE_RATIO = sqrt(2.0)
 # a search to a tolerance makes no mesh of more vertices, but for a second one
 MAX_VERTICES = 25_000
-# edges between two adjacent stars on its finest mesh, for a tolerance of 1 % and more; all but the softest sheets are
-# within it on coarser ones
-FINEST_EDGES_PER_SPACING = 14.5
 # the shortest edge of a design
 MIN_EDGE_MM = 0.2
-# meshes in a row that the search passes over because their edges are too long for the rods
-MAX_PASSED_OVER = 6
-# a search to a given edge: vertices of the coarsest mesh, about, and edges between two adjacent stars on it
+# a search to a given edge: vertices of the coarsest mesh, about
 COARSE_VERTICES = 1100
-MIN_EDGES_PER_SPACING = 4.0
-# 1: vertices of a level over those of the level before; large changes of a soft shape are slow
-MAX_VERTEX_RATIO = 3.0
-# 1: vertices of a coarse mesh over those of the finest, if it is worth its time
-MAX_COARSE_VERTEX_FRACTION = 0.6
 
 
 def model_on(design: Design, layout: Layout, edge_mm: float) -> DiscreteModel:
@@ -119,20 +106,22 @@ class Ladder:
 
     def _coarsest_edge(self) -> float:
         """The edge of the coarsest mesh, mm."""
-        of_small_sheet = sqrt(abs(polygon_area(self.layout.outline)) / (sqrt(0.75) * LEAST_VERTICES))
-        return float(max(min(self.layout.spacing_mm / COARSEST_EDGES_PER_SPACING, of_small_sheet), MIN_EDGE_MM))
+        # 5 edges between two adjacent stars, and 300 vertices of a small sheet
+        of_small_sheet = sqrt(abs(polygon_area(self.layout.outline)) / (sqrt(0.75) * 300))
+        return float(max(min(self.layout.spacing_mm / 5, of_small_sheet), MIN_EDGE_MM))
 
     def _finest_edge(self) -> float:
         """The edge of the finest mesh, mm: errors are about proportional to the edge to the power of 3/2."""
         assert self.tolerance_percent is not None, "the search is to a tolerance"
-        return float(
-            self.layout.spacing_mm / FINEST_EDGES_PER_SPACING * min(self.tolerance_percent, 1.0) ** (2.0 / 3.0)
-        )
+        # 14.5 edges between two adjacent stars, for a tolerance of 1 % and more: all but the softest sheets are within
+        # it on coarser meshes
+        return float(self.layout.spacing_mm / 14.5 * min(self.tolerance_percent, 1.0) ** (2.0 / 3.0))
 
     def _add_finer(self) -> bool:
         """Add the next finer model; a mesh whose edges are too long for the rods is passed over."""
         problem: MeshError | None = None
-        for _ in range(MAX_PASSED_OVER):
+        # edges may be too long for the rods
+        for _ in range(6):
             if self._next < MIN_EDGE_MM:
                 break
             edge, self._next = self._next, self._next / EDGE_RATIO
@@ -148,8 +137,9 @@ class Ladder:
     def _add_down_to(self, edge: float) -> None:
         finest = model_on(self.design, self.layout, edge)
         for coarse in () if self._single else coarser_edges(finest, edge):
+            # a coarse mesh with more vertices is not worth its time
             with suppress(MeshError):  # arms too short for this mesh: the search starts on a finer one
-                self._add(coarse, MAX_COARSE_VERTEX_FRACTION * finest.n_vertices)
+                self._add(coarse, 0.6 * finest.n_vertices)
         self._models.append(finest)
         self._edges.append(edge)
 
@@ -163,19 +153,14 @@ class Ladder:
 def coarser_edges(finest: DiscreteModel, edge_mm: float) -> list[float]:
     """mm, edges of the coarser meshes of a search that ends on a given mesh, the longest first."""
     ratio = finest.n_vertices / COARSE_VERTICES
-    # designs of many stars need more than COARSE_VERTICES
-    growth = min(np.sqrt(ratio), finest.spacing / MIN_EDGES_PER_SPACING / edge_mm)
-    steps = int(np.ceil(2.0 * np.log(growth) / np.log(MAX_VERTEX_RATIO))) if ratio > 2.0 and growth > 1.0 else 0
+    # designs of many stars need more than COARSE_VERTICES: 4 edges between two adjacent stars
+    growth = min(np.sqrt(ratio), finest.spacing / 4.0 / edge_mm)
+    # a level has at most three times the vertices of the one before: large changes of a soft shape are slow
+    steps = int(np.ceil(2.0 * np.log(growth) / np.log(3.0))) if ratio > 2.0 and growth > 1.0 else 0
     return [edge_mm * growth ** (step / steps) for step in range(steps, 0, -1)]
 
 
 SurfaceMap = Callable[[Array], Array]  # printed points (n, 2) mm to points in space (n, 3) mm
-# to a tolerance: the softest modes of a sheet without supports hardly change between the two coarsest ones
-LEAST_MESHES_OF_FREE_SHEETS = 3
-# 1: difference of two energies over the elastic energy, below which two states of one mesh may be one
-SAME_STATE_ENERGY = 1e-8
-# 1: rms distance of these states after the best rigid motion over the rms radius of the sheet
-SAME_STATE_DISTANCE = 1e-4
 
 
 @dataclass(frozen=True)
@@ -216,13 +201,13 @@ def is_same_state(first: Equilibrium, second: Equilibrium) -> bool:
     An image of a state under a symmetry of the design is another state, even if it counts as the same form.
     """
     elastic = first.energy - first.energies.get("gravity", 0.0)
-    if abs(first.energy - second.energy) > SAME_STATE_ENERGY * elastic:
+    if abs(first.energy - second.energy) > 1e-8 * elastic:
         return False
     one, other = first.state.positions, second.state.positions
     rotation, shift = rigid_fit(other, one)
     distance = np.linalg.norm(other @ rotation.T + shift - one)
     radius = np.linalg.norm(one - one.mean(axis=0))
-    return bool(distance < SAME_STATE_DISTANCE * radius and np.array_equal(first.sides, second.sides))
+    return bool(distance < 1e-4 * radius and np.array_equal(first.sides, second.sides))
 
 
 def solve_on_meshes(
@@ -299,7 +284,8 @@ def _goes_on(search: SharedSearch, levels: list[MeshLevel]) -> bool:
         return len(levels) < len(search.ends)
     if ladder.tolerance_percent is not None:
         error = error_of_levels(levels).percent
-        least = 2 if len(ladder.layout.support_samples.printed) else LEAST_MESHES_OF_FREE_SHEETS
+        # the softest modes of a sheet without supports hardly change between the two coarsest meshes
+        least = 2 if len(ladder.layout.support_samples.printed) else 3
         if error is not None and error <= ladder.tolerance_percent and len(levels) >= least:
             return False
     return ladder.finer_than(number)

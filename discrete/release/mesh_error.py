@@ -17,8 +17,6 @@ from asterism.pattern.layout.free_motions import FreeMotions, free_motions
 
 # assumed order of convergence in the edge length; on graded meshes most sheets converge faster
 ORDER = 1.5
-# smallest ratio of the edge lengths of two meshes that gives an estimate
-MIN_EDGE_RATIO = 1.15
 # two shapes further apart than this, in % of the diameter, count as different forms
 MAX_CHANGE_PERCENT = 8.0
 
@@ -59,7 +57,8 @@ def mesh_error(vertices: Sequence[int], changes: Sequence[float | None]) -> Mesh
     for number in range(max(1, len(vertices) - 2), len(vertices)):
         change = changes[number]
         ratio = np.sqrt(vertices[number] / vertices[number - 1])
-        if change is None or ratio < MIN_EDGE_RATIO or change > MAX_CHANGE_PERCENT:
+        # meshes of nearly equal edges give no estimate
+        if change is None or ratio < 1.15 or change > MAX_CHANGE_PERCENT:
             continue
         finest = np.sqrt(vertices[number] / vertices[-1])
         errors.append(change / (ratio**ORDER - 1.0) * finest**ORDER)

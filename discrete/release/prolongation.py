@@ -13,10 +13,6 @@ from asterism.pattern.geometry.normals import vertex_normals
 from asterism.pattern.geometry.planar import distance_to_segment, triangle_areas
 from asterism.pattern.geometry.rigid_fit import rigid_fit
 
-MAX_MISSING_HULL_FRACTION = 1e-6  # 1: area of the convex hull outside a sheet that counts as convex, over the hull
-# of the printed distance to the nearest support: how far a vertex moves at most when arms get their length
-MAX_SUPPORT_SHARE = 0.25
-
 
 def prolong(coarse: DiscreteModel, state: State, fine: DiscreteModel) -> State:
     """The state of the fine model closest to a C1 surface through the coarse state, its arms at their printed length.
@@ -34,7 +30,7 @@ def fit_to_surface(model: DiscreteModel, surface: Array) -> State:
     length = model.parts["rod_stretch"].params[:, 1:]
     move = model.reconstruction.fit_edges(smooth, length * edge_tangents(smooth, model.edges)) - smooth
     # an arm that ends beside a support does not pass it
-    most = MAX_SUPPORT_SHARE * model.layout.distance_to_supports(model.mesh.points)
+    most = 0.25 * model.layout.distance_to_supports(model.mesh.points)
     positions = smooth + move * np.minimum(most / np.maximum(np.linalg.norm(move, axis=1), 1e-12), 1.0)[:, None]
     return model.with_fitted_frames(State(positions, plastic_normals(model, positions)))
 
@@ -82,7 +78,8 @@ def interpolate_surface(printed: Array, triangles: Ints, positions: Array, point
     array([[0.5, 0.2, 0.5]])
     """
     area = np.abs(triangle_areas(printed, triangles)).sum()
-    if area > (1.0 - MAX_MISSING_HULL_FRACTION) * ConvexHull(printed).volume:
+    # a sheet is convex if it fills its hull but for this
+    if area > (1.0 - 1e-6) * ConvexHull(printed).volume:
         interpolator = CloughTocher2DInterpolator if smooth else LinearNDInterpolator
         out = interpolator(printed, positions, rescale=True)(points)
         outside = np.isnan(out).any(axis=1)

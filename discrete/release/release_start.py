@@ -19,9 +19,6 @@ SheetBend = Literal["none", "roll", "dome", "saddle"]
 # lengths are at the paper's spacing of the stars, and in proportion at others (`spacing_ratio`)
 START_BUMP_MM = 2.0  # mm, height of the bump at every star
 MIN_BRANCH_BUMP_MM = 0.1  # mm, height below which a star counts as flat between two steps
-BRANCH_NUDGE_MM = 0.5  # mm, bump that is added to a flat star
-START_NOISE_MM = 1e-3  # mm, standard deviation of the noise
-MAX_ROLL_HALF_ANGLE_RAD = 2.5  # rad, so that a rolled sheet does not meet itself
 # released parts of the stretch, step by step: gradual (the default), at once (which reaches other minima), in two steps
 GRADUAL_RELEASE = tuple(np.linspace(0.03, 1.0, 10))
 SUDDEN_RELEASE = (1.0,)
@@ -51,7 +48,7 @@ class ReleaseStart:
     axis_deg: float = 0.0
     # mm, sag of the outermost point below the centre (of a saddle: below and above), at the paper's spacing.
     sag_mm: float = 0.0
-    noise_mm: float = START_NOISE_MM  # mm, standard deviation of the noise at every vertex, at the paper's spacing
+    noise_mm: float = 1e-3  # mm, standard deviation of the noise at every vertex, at the paper's spacing
     seed: int = 0  # seed of the noise
     releases: tuple[float, ...] = GRADUAL_RELEASE  # releases of the continuation; the last is 1
 
@@ -99,7 +96,8 @@ class ReleaseStart:
         """
         mm = spacing_ratio(model)
         branch, height = self.branches(model), bump_heights(model, state) / mm
-        lift = np.where(branch * height < MIN_BRANCH_BUMP_MM, BRANCH_NUDGE_MM * branch, 0.0)
+        # mm, the bump that a flat star gets
+        lift = np.where(branch * height < MIN_BRANCH_BUMP_MM, 0.5 * branch, 0.0)
         lift = np.where((branch < 0) & (height > -MIN_BRANCH_BUMP_MM), -np.abs(height) - START_BUMP_MM, lift)
         if self.releases[-1] == model.release:
             lift = np.minimum(lift, 0.0)
@@ -179,8 +177,9 @@ def _bent_sheet(points: Array, bend: SheetBend, axis: float, sag: float) -> Arra
     across = points @ [-np.sin(axis), np.cos(axis)]
     size = float(np.linalg.norm(points, axis=1).max())
     if bend == "roll":
-        # half the angle of the arc, whose sag is size (1 - cos(angle))/angle, about size angle/2
-        angle = min(2.0 * sag / size, MAX_ROLL_HALF_ANGLE_RAD)
+        # half the angle of the arc, whose sag is size (1 - cos(angle))/angle, about size angle/2; a rolled sheet does
+        # not meet itself
+        angle = min(2.0 * sag / size, 2.5)
         u, z = size / angle * np.sin(across * angle / size), size / angle * (np.cos(across * angle / size) - 1.0)
         x = along * np.cos(axis) - u * np.sin(axis)
         y = along * np.sin(axis) + u * np.cos(axis)

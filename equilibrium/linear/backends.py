@@ -21,8 +21,6 @@ from asterism.equilibrium.linear.multigrid import MultigridFactor
 from asterism.equilibrium.linear.pardiso import PardisoFactor
 from asterism.equilibrium.linear.sparse_pattern import SparsePattern
 
-MAX_MEMORY_FRACTION = 0.5  # of the machine's memory for a factorisation; `make_solver` iterates beyond it
-
 
 class CholmodFactor:
     """Supernodal Cholesky factorisation; scikit-sparse is GPL software and no dependency, users install it.
@@ -188,7 +186,8 @@ def make_solver(pattern: SparsePattern, backend: str = "auto") -> Factor:
     PARDISO reports its memory beforehand. Without PARDISO, ask for `amg` on large sheets.
     """
     factor = make_factor(pattern, backend)
-    if backend != "auto" or getattr(factor, "memory_mb", 0.0) < MAX_MEMORY_FRACTION * physical_memory_mb():
+    # beyond half of the machine's memory the solver iterates
+    if backend != "auto" or getattr(factor, "memory_mb", 0.0) < 0.5 * physical_memory_mb():
         return factor
     factor.close()
     return _make_multigrid(pattern)

@@ -27,7 +27,6 @@ from asterism.equilibrium.linear.factor import Factor
 from asterism.equilibrium.linear.sparse_pattern import SparsePattern
 
 MIN_UNKNOWNS = 3000  # smaller matrices are factorised directly, without a coarse level
-RELATIVE_RESIDUAL = 1e-10  # of a solution
 MAX_ITERATIONS = 2000
 
 
@@ -92,7 +91,7 @@ class MultigridFactor:
         self._coarse = self._make_coarse(SparsePattern.from_lower(galerkin))
         return self._coarse.factorise(galerkin.data)
 
-    def solve(self, b: Floats, tolerance: float = RELATIVE_RESIDUAL) -> Floats:
+    def solve(self, b: Floats, tolerance: float = 1e-10) -> Floats:
         """Solution of A x = b up to a relative residual; b (size,) or (size, k).
 
         Raises `NotPositiveDefiniteError` if the iteration meets negative curvature.
@@ -169,10 +168,6 @@ Operator = Callable[[Floats], Floats]
 
 # probability that a random vector has a smaller part along a direction than `proves_definite` assumes
 FAILURE_PROBABILITY = 1e-9
-# growth of the residual's energy that ends a proof; more than the condition number of a useful preconditioner
-MAX_ENERGY_GROWTH = 1e6
-MAX_PROOF_ITERATIONS = 3000
-ZERO_CURVATURE_RATIO = 1e-10  # of the largest curvature; a smaller one may be zero up to rounding
 
 
 class NotPositiveDefiniteError(ArithmeticError):
@@ -269,11 +264,12 @@ def proves_definite(product: Operator, precondition: Operator, size: int, norm_b
     smallest_part = (FAILURE_PROBABILITY / 0.8) ** 2 / norm_bound
     shortest, first_energy = np.inf, run.energy
     try:
-        for _ in range(MAX_PROOF_ITERATIONS):
+        for _ in range(3000):
             run.step()
             shortest = min(shortest, run.step_length)
-            # a curvature that may be zero, or a residual dominated by amplified rounding errors
-            if run.step_length > shortest / ZERO_CURVATURE_RATIO or run.energy > MAX_ENERGY_GROWTH * first_energy:
+            # a curvature that may be zero, or a residual dominated by amplified rounding errors: its energy grew by
+            # more than the condition number of a useful preconditioner
+            if run.step_length > shortest / 1e-10 or run.energy > 1e6 * first_energy:
                 return False
             if run.energy < smallest_part:
                 return True

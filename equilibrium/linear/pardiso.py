@@ -17,11 +17,6 @@ import numpy as np
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.linear.sparse_pattern import SparsePattern
 
-# Smaller lower triangles use one thread: a second one mostly waits. One thread also adds in a fixed order, so that
-# small problems give the same digits in every run.
-MIN_ENTRIES_FOR_THREADS = 1_000_000
-MIN_ENTRIES_FOR_NESTED_DISSECTION = 200_000  # below, minimum degree ordering is faster in total
-
 
 @functools.cache
 def _pardiso_library() -> Any:
@@ -69,7 +64,9 @@ class PardisoFactor:
     name = "pardiso"
 
     def __init__(self, pattern: SparsePattern) -> None:
-        self._threads = 1 if pattern.nnz < MIN_ENTRIES_FOR_THREADS else 0
+        # a second thread of a smaller lower triangle mostly waits; one thread also adds in a fixed order, so that small
+        # problems give the same digits in every run
+        self._threads = 1 if pattern.nnz < 1_000_000 else 0
         self._solver = copy.copy(_pardiso_library())
         self._solver.pt = np.zeros_like(self._solver.pt)
         self._solver.iparm = np.zeros_like(self._solver.iparm)
@@ -81,7 +78,7 @@ class PardisoFactor:
         self._data = np.ones(pattern.nnz)
         self._solver.set_iparm(1, 1)
         # ordering: 0 is minimum degree, 2 nested dissection
-        self._solver.set_iparm(2, 0 if pattern.nnz < MIN_ENTRIES_FOR_NESTED_DISSECTION else 2)
+        self._solver.set_iparm(2, 0 if pattern.nnz < 200_000 else 2)
         self._solver.set_iparm(8, 0)
         # no two-level factorisation: it is a few percent faster, but misses negative pivots of unconnected dofs
         self._solver.set_iparm(24, 0)

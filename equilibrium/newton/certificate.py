@@ -14,14 +14,7 @@ from asterism.equilibrium.linear.sparse_pattern import SparsePattern
 from asterism.equilibrium.newton.problem import AnyState, Problem
 
 MAX_LANCZOS_UNKNOWNS = 3000  # of iterative solvers; larger problems use LOBPCG, which needs no accurate solutions
-LOBPCG_BLOCK_SIZE = 4  # symmetric sheets have double eigenvalues
-LANCZOS_VECTORS = 8  # of a positive definite matrix, whose smallest eigenvalue is wanted and not its mode
-LANCZOS_TOLERANCE = 1e-6  # of such a matrix: the eigenvalue has a relative error of about its square
-MODE_TOLERANCE = 1e-9  # of a matrix that is not positive definite, whose mode is wanted as well
 FIRST_SHIFT = 1e-9  # added to the diagonal
-SHIFT_GROWTH = 10.0  # after a shift for which the matrix is not positive definite
-MAX_HALVINGS = 12  # of the first step off a saddle
-EQUAL_DECREASE_FRACTION = 0.01  # of the decrease in energy; sides of a saddle that differ by less count as equal
 
 
 @dataclass(frozen=True)
@@ -62,7 +55,7 @@ def smallest_eigenvalue(
         factorisations += 1
         if factor.factorise(shifted) and (not isinstance(factor, IterativeFactor) or factor.proves_definite()):
             break
-        shift *= SHIFT_GROWTH
+        shift *= 10.0
 
     def project(v: Floats) -> Floats:
         return v - modes @ (modes.T @ v)
@@ -79,9 +72,10 @@ def smallest_eigenvalue(
         _, vectors = np.linalg.eigh(_dense(pattern, data, modes))
         vector = vectors[:, 0]
     else:
-        # a negative eigenvalue needs an accurate mode: it decides which way a saddle is left
+        # a negative eigenvalue needs an accurate mode: it decides which way a saddle is left. Otherwise the smallest
+        # eigenvalue is wanted, whose relative error is about the square of the tolerance.
         loose = factorisations == 1
-        ncv, tolerance = (min(LANCZOS_VECTORS, size), LANCZOS_TOLERANCE) if loose else (None, MODE_TOLERANCE)
+        ncv, tolerance = (min(8, size), 1e-6) if loose else (None, 1e-9)
         try:
             _, vectors = eigsh(operator, k=1, which="LA", v0=start, ncv=ncv, tol=tolerance, maxiter=400)
         except ArpackNoConvergence as stopped:  # the residual below measures the error
@@ -96,7 +90,8 @@ def smallest_eigenvalue(
 def _lobpcg_mode(pattern: SparsePattern, data: Floats, factor: IterativeFactor, modes: Floats, start: Floats) -> Floats:
     """Lowest mode (size,) by LOBPCG (Knyazev 2001), whose steps precondition where Lanczos steps solve."""
     size = pattern.size
-    block = np.column_stack([start, np.random.default_rng(1).standard_normal((size, LOBPCG_BLOCK_SIZE - 1))])
+    # symmetric sheets have double eigenvalues
+    block = np.column_stack([start, np.random.default_rng(1).standard_normal((size, 3))])
     low, diagonal = pattern.lower(data), data[pattern.diagonal]
     upper = low.T
 
@@ -143,7 +138,8 @@ def leave_saddle(problem: Problem, state: AnyState, mode: Floats, max_change: fl
     vector = mode if reference @ mode >= 0.0 else -mode
     energy = problem.energy(state)
     (first, e1), (second, e2) = (_lowest_along(problem, state, energy, side, max_change) for side in (vector, -vector))
-    return second if e2 < e1 - EQUAL_DECREASE_FRACTION * abs(energy - e1) else first
+    # sides of a saddle that differ by less count as equal
+    return second if e2 < e1 - 0.01 * abs(energy - e1) else first
 
 
 def _lowest_along(
@@ -152,7 +148,7 @@ def _lowest_along(
     lowest_state, lowest = state, energy
     path, longest = problem.path(state, vector)
     step = min(longest, max_change / float(np.abs(vector).max()))
-    for _ in range(MAX_HALVINGS):
+    for _ in range(12):
         trial = path(step)
         trial_energy = problem.energy(trial)
         if trial_energy < lowest:

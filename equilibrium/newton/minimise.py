@@ -23,16 +23,8 @@ from asterism.equilibrium.linear.sparse_pattern import stiffen
 from asterism.equilibrium.newton.certificate import Eigenpair, leave_saddle, smallest_eigenvalue
 from asterism.equilibrium.newton.problem import AnyState, HasNearNullspace, Problem
 
-MAX_IDLE_ITERATIONS = 10  # in a row without progress; then rounding errors allow no further progress
-MIN_GRADIENT_PROGRESS = 0.9  # of the smallest gradient norm so far; a norm below counts as progress
 SADDLE_ITERATIONS = 4  # in a row with an indefinite Hessian and hardly a decrease; then a saddle is near
-ARMIJO_FRACTION = 1e-4  # sufficient decrease over the decrease that the slope predicts (Nocedal and Wright 2006)
 MIN_STEP = 1e-8
-MAX_REDUCTION = 0.1  # bounds of a new step over the last one
-MIN_REDUCTION = 0.5
-RELATIVE_ROUNDING = 1e-13  # rounding error of an energy over its value
-RELATIVE_INITIAL_ROUNDING = 1e-16  # and over the first energy
-ROUNDING_MARGIN = 1e3  # rounding errors below which a decrease is not significant
 
 
 @dataclass(frozen=True)
@@ -139,12 +131,10 @@ def minimise(
         if report:
             report(history[-1])
         # at the end a step may lower the energy by less than its rounding error, but then the gradient decreases
-        if (
-            energy < lowest_energy - _rounding_error(energy, first_energy)
-            or norm < MIN_GRADIENT_PROGRESS * smallest_norm
-        ):
+        if energy < lowest_energy - _rounding_error(energy, first_energy) or norm < 0.9 * smallest_norm:
             lowest_energy, smallest_norm, last_progress = min(lowest_energy, energy), min(smallest_norm, norm), number
-        stagnated = number >= last_progress + MAX_IDLE_ITERATIONS
+        # so many iterations without progress: rounding errors allow no further progress
+        stagnated = number >= last_progress + 10
         ended = norm <= tolerance or line_search_failed or number == max_iterations or not np.isfinite(norm)
         if ended or stagnated or settled or at_saddle == SADDLE_ITERATIONS:
             break
@@ -182,7 +172,7 @@ def minimise(
 
 def _rounding_error(energy: float, first_energy: float) -> float:
     """Rounding error of an energy. Terms that cancel at the end keep the rounding errors of the first energy."""
-    return max(RELATIVE_ROUNDING * abs(energy), RELATIVE_INITIAL_ROUNDING * first_energy)
+    return max(1e-13 * abs(energy), 1e-16 * first_energy)
 
 
 def _line_search(
@@ -207,16 +197,18 @@ def _line_search(
         state = path(step)
         trial = problem.energy(state)
         if np.isfinite(trial):
-            if trial <= energy + ARMIJO_FRACTION * step * slope:
+            # sufficient decrease over the decrease that the slope predicts (Nocedal and Wright 2006)
+            if trial <= energy + 1e-4 * step * slope:
                 return state, trial, step
-            margin = ROUNDING_MARGIN * rounding
+            # a decrease by less is not significant
+            margin = 1e3 * rounding
             insignificant = abs(step * slope) < margin and trial <= energy + margin
             if insignificant and np.linalg.norm(problem.gradient(state)) < gradient_norm:
                 return state, trial, step
         # minimum of the parabola through the value and slope at 0 and the value at `step`
         curvature = trial - energy - step * slope
         best = -0.5 * slope * step * step / curvature if np.isfinite(curvature) and curvature > 0.0 else 0.1 * step
-        step = min(max(best, MAX_REDUCTION * step), MIN_REDUCTION * step)
+        step = min(max(best, 0.1 * step), 0.5 * step)
     return None
 
 
@@ -225,11 +217,8 @@ def _line_search(
 GROWTH = 30.0
 # Stiffness added to the convex model where it has none, over the median diagonal entry of the exact Hessian.
 CONVEX_STIFFNESS_FRACTION = 1e-3
-DECAY = 0.1  # factor on the amount after a step that needed no increase
 MIN_AMOUNT = 1e-3  # first amount after a refused matrix; amounts below become zero
-MIN_AFTER_LINE_SEARCH = 1e-2  # first amount after a failed line search
 MAX_FORCING_TERM = 1e-2  # largest relative residual of an iterative solution
-MIN_FORCING_TERM = 1e-10
 
 
 class Regularisation:
@@ -314,13 +303,13 @@ class Regularisation:
     def decrease(self) -> None:
         """After a successful step: reduce the amount, unless the step needed an increase."""
         if not self._was_refused:
-            self.amount = _lower(DECAY * self.amount)
+            self.amount = _lower(0.1 * self.amount)
 
     def increase(self) -> bool:
         """After a failed line search: increase the amount; False if it is at its limit."""
         if self.amount >= 1.0:
             return False
-        self.amount = max(10.0 * self.amount, MIN_AFTER_LINE_SEARCH)
+        self.amount = max(10.0 * self.amount, 1e-2)
         return True
 
     def _hessian(self, state: AnyState, blend: float) -> Floats:
@@ -341,7 +330,7 @@ class Regularisation:
         if self._solved_norm > 0.0:
             forcing = min(MAX_FORCING_TERM, 0.9 * (norm / self._solved_norm) ** 2)
         self._solved_norm = norm
-        return self._iterative.solve(gradient, max(forcing, MIN_FORCING_TERM))
+        return self._iterative.solve(gradient, max(forcing, 1e-10))
 
     def _factorise(self, data: Floats) -> bool:
         self.factorisations += 1

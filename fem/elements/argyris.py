@@ -40,7 +40,6 @@ _LEFT = POWERS[:, None] - _BY
 _FACTORS = np.prod([np.where(k < _BY, POWERS[:, None] - k, 1) for k in (0, 1)], axis=(0, -1)).astype(float)
 ORDERS = np.array([0, 1, 1, 2, 2, 2])  # order of derivative of the vertex dofs: value, 1, 2, 11, 22, 12
 MAX_OUTSIDE = 0.3  # heights of a triangle, largest distance of a point outside the mesh
-MIN_DEPTH = 1e-6  # heights of a triangle, depth from which on a point is in this triangle only
 
 
 @dataclass(frozen=True)
@@ -321,7 +320,8 @@ def _search(slopes, origin, points, triangles, depth):  # type: ignore[no-untype
             smallest = min(u, v, 1.0 - u - v)
             if smallest > deepest:
                 best, deepest = t, smallest
-            if smallest > MIN_DEPTH:
+            # heights of a triangle: a point at this depth is in this triangle only
+            if smallest > 1e-6:
                 break
         triangles[p], depth[p] = best, deepest
         last = best

@@ -38,30 +38,14 @@ from asterism.equilibrium.linear.sparse_pattern import stiffen
 from asterism.equilibrium.newton.minimise import Minimum
 from asterism.fem.shell.shell import Shell, tensile_part
 
-# the next step uses the same matrix if all three limits hold
-REUSE_RESIDUAL_RATIO = 0.03  # 1: residual after a step over that before it
-REUSE_TOLERANCES = 3e3  # 1: residual over the tolerance
-REUSE_STEP = 1e-3  # 1: step over the extent of the sheet
-# 1: residual after a step over that before it, below which the exact matrix is tried first
-MAX_RESIDUAL_RATIO = 0.5
 # 1: largest step over the extent of the sheet; longer steps are shortened
 MAX_STEP = 0.15
-# 1: displacement over the extent of the sheet, after which the isostatic support is chosen again
-MAX_MOVE_PER_SUPPORT = 0.05
-# 1: largest difference from a known stationary point over the extent of the sheet, at which the iteration jumps to it;
-# from there two or three iterations are left
-KNOWN_DISTANCE = 1e-3
 # blend: share of the compressive stress that is left out of the matrix
 FIRST_BLEND = 0.3  # 1: after the first refused matrix
-BLEND_GROWTH = 3.0  # 1: from one refused matrix to the next
 BLEND_DECAY = 0.6  # 1: from one step to the next
-MIN_BLEND = 0.05  # 1: below it the blend is set to zero
 # shift: stiffness per area that is added for soft modes, over the bending stiffness of the longest wave of the sheet
 FIRST_SHIFT = 0.1  # 1: after the first refused matrix
-REFUSED_SHIFT_GROWTH = 4.0  # 1: from one refused matrix to the next
 SHIFT_DECAY = 0.3  # 1: from one step to the next
-MIN_SHIFT = 0.05  # 1: below it the shift is set to zero
-MAX_SHIFTS = 6  # shifts that are tried in one step
 
 
 def mixed_newton(
@@ -93,7 +77,8 @@ def mixed_newton(
     matrix = Regularised(shell, factor)
     moved, step_size = 0.0, np.inf
     for number in range(max_iterations + 1):
-        near = [each for each in known if np.abs(result.state - each).max() <= KNOWN_DISTANCE * extent]
+        # the iteration jumps to a known stationary point that is this near; from there two or three iterations are left
+        near = [each for each in known if np.abs(result.state - each).max() <= 1e-3 * extent]
         if near:
             result.state, known = near[0], ()
         e = shell.strains(result.state)
@@ -109,14 +94,17 @@ def mixed_newton(
         result.iterations = number
         if result.converged or number == max_iterations or not np.isfinite(result.gradient_norm):
             break
+        # else the next step uses the same matrix
         if (
             matrix.changed
-            or result.gradient_norm > min(REUSE_RESIDUAL_RATIO * residual_before, REUSE_TOLERANCES * tolerance)
-            or step_size > REUSE_STEP * extent
+            or result.gradient_norm > min(0.03 * residual_before, 3e3 * tolerance)
+            or step_size > 1e-3 * extent
         ):
-            if number == 0 or moved > MAX_MOVE_PER_SUPPORT * extent or not shell.is_rigid_invariant:
+            # after this displacement the isostatic support is chosen again
+            if number == 0 or moved > 0.05 * extent or not shell.is_rigid_invariant:
                 support, moved = shell.support(result.state), 0.0
-            falls = result.gradient_norm < MAX_RESIDUAL_RATIO * residual_before
+            # if it is true, the exact matrix is tried first
+            falls = result.gradient_norm < 0.5 * residual_before
             accepted = matrix.factorise(result.state, stiffness, stress, support, falls)
             result.factorisations = matrix.factorisations
             if not accepted:
@@ -162,9 +150,9 @@ class Regularised:
         falls : the residual decreased well, so the exact matrix is tried first.
         """
         before = self._blend
-        self._blend = BLEND_DECAY * before if BLEND_DECAY * before > MIN_BLEND else 0.0
-        self._shift = SHIFT_DECAY * self._shift if SHIFT_DECAY * self._shift > MIN_SHIFT * self._unit else 0.0
-        tries = MAX_SHIFTS if self._soft or before > 0.0 else 0
+        self._blend = BLEND_DECAY * before if BLEND_DECAY * before > 0.05 else 0.0
+        self._shift = SHIFT_DECAY * self._shift if SHIFT_DECAY * self._shift > 0.05 * self._unit else 0.0
+        tries = 6 if self._soft or before > 0.0 else 0
         computed: list[tuple[float, Floats]] = []
 
         def tangent(blend: float) -> Floats:
@@ -181,13 +169,13 @@ class Regularised:
         data = tangent(self._blend)
         while not self._accepts(data, support):
             if self._blend == 0.0 and tries:
-                self._shift = max(REFUSED_SHIFT_GROWTH * self._shift, FIRST_SHIFT * self._unit)
+                self._shift = max(4.0 * self._shift, FIRST_SHIFT * self._unit)
                 self._soft, tries = True, tries - 1
                 continue
             if self._blend >= 1.0:
                 return False
             self._shift, self._soft = 0.0, False
-            self._blend = min(max(BLEND_GROWTH * self._blend, FIRST_BLEND), 1.0)
+            self._blend = min(max(3.0 * self._blend, FIRST_BLEND), 1.0)
             data = tangent(self._blend)
         return True
 

@@ -22,7 +22,6 @@ from asterism.fem.search.simple_shapes import SimpleShape
 from asterism.fem.shell.shell import Shell
 
 GRADIENT_TOLERANCE = 1e-11  # 1: gradient norm of an equilibrium over `Shell.force_scale`
-LOAD_STEPS = (4, 16)  # numbers of load steps that are tried if no guess leads to a minimum
 MAX_ITERATIONS = 60  # iterations of Newton's method with mixed points
 MAX_FURTHER_ITERATIONS = 12  # the same after a minimum has been found
 MAX_DESCENT_ITERATIONS = 200  # iterations of energy minimisation after Newton's method has failed
@@ -30,7 +29,6 @@ MAX_DESCENT_ITERATIONS = 200  # iterations of energy minimisation after Newton's
 CLOSE_GUESS = 0.1
 # iterations of one search, load steps included; then it ends with the best state, and certifies no minimum
 MAX_RELAX_ITERATIONS = 1000
-MAX_GUESSES = 2  # guesses of different kinds that are followed
 MODE_COUNT = 3  # softest modes that are computed
 
 
@@ -86,7 +84,7 @@ def relax(
     factor: Factor | None = None,
     side: Side = "auto",
     shapes: Sequence[SimpleShape] | None = None,
-    max_guesses: int = MAX_GUESSES,
+    max_guesses: int = 2,
     soft_modes: int = MODE_COUNT,
     symmetries: Sequence[Floats] = (),
 ) -> ShellEquilibrium:
@@ -129,8 +127,8 @@ def relax(
         if not results[-1].is_minimum and results[-1].energy < lowest < np.inf:
             results.append(follow(shell, results[-1].x, factor, name))
     taken = sum(each.iterations for each in results)
-    # a sheet that collapses does so in steps as well
-    for steps in () if any(is_collapsing(shell, each) for each in results) else LOAD_STEPS:
+    # if no guess leads to a minimum, the load grows in steps; a sheet that collapses does so in steps as well
+    for steps in () if any(is_collapsing(shell, each) for each in results) else (4, 16):
         if taken < MAX_RELAX_ITERATIONS and not any(each.is_minimum for each in results):
             stepped, iterations = follow_load_steps(shell, factor, steps, MAX_RELAX_ITERATIONS - taken)
             results += [stepped] if stepped is not None else []

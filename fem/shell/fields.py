@@ -16,8 +16,6 @@ from numpy.typing import ArrayLike
 from asterism.equilibrium.arrays import Floats
 from asterism.fem.shell.density import Density
 
-MAX_ASYMMETRY = 1e-9  # 1: asymmetry of a stiffness over its largest entry
-
 Field = ArrayLike | Callable[[Floats], ArrayLike]
 
 
@@ -137,7 +135,7 @@ def _check_density(density: Density, points: Floats) -> None:
         where = np.unravel_index((~(saturation > 0.0)).argmax(), saturation.shape)
         raise FieldError("saturation", points[where], saturation[where][None], "is not positive")
     skew = np.abs(stiffness - np.swapaxes(stiffness, -1, -2))
-    if skew.max() > MAX_ASYMMETRY * np.abs(stiffness).max():
+    if skew.max() > 1e-9 * np.abs(stiffness).max():
         t, q, i, k = np.unravel_index(skew.argmax(), skew.shape)
         values = stiffness[t, q, [i, k], [k, i]]
         raise FieldError("stiffness", points[t, q], values, f"of strains {i} and {k} is not symmetric")

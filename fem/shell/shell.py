@@ -35,9 +35,6 @@ from asterism.fem.shell.fields import Fields
 from asterism.fem.supports.conditions import Condition, Reduction, impose_conditions
 from asterism.fem.supports.rigid import admissible_motions, neutral_motions, span_a_plane
 
-# 1: stiffness of a rigid motion over the sum of its absolute terms, below which the motion is neutral. Rounding leaves
-# 1e-13, and up to 1e-10 on nearly degenerate triangles; the weight gives a swinging sheet about 1e-6.
-MAX_NEUTRAL_STIFFNESS = 3e-10
 # degree, exact for the linear bending energy of quintic triangles; avoids locking of thin triangles
 QUADRATURE_ORDER = 6
 PRINTED_REST = np.array([0.5, 0.5, 0.0, 0.0, 0.0, 0.0])  # rest values (a/2, b) of the printed sheet
@@ -317,7 +314,9 @@ class Shell:
         min_stiffness = 10.0 * float(np.linalg.norm(self.gradient(x)))
         min_stiffness += 1e-10 * float(np.median(np.abs(data[self.pattern.diagonal])))
         largest = float(np.linalg.norm(self.pattern.product(np.abs(data), np.abs(motions)), axis=0).max())
-        min_stiffness += MAX_NEUTRAL_STIFFNESS * largest
+        # a motion is neutral if its stiffness is below this part of the sum of its absolute terms. Rounding leaves
+        # 1e-13, and up to 1e-10 on nearly degenerate triangles; the weight gives a swinging sheet about 1e-6.
+        min_stiffness += 3e-10 * largest
         return neutral_motions(
             motions, self.pattern.product(data, motions), self.restrict(self.load_gradient), min_stiffness
         )

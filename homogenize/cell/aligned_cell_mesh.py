@@ -20,8 +20,6 @@ from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.plane_lattice import GRID_DIRECTIONS
 from asterism.pattern.mesh.graded_mesh import MIN_SPRING_WEIGHT, Grading, half_cotangents
 
-# edges of short arms on graded meshes: with fewer ones the curvature of such stars jumps by a quarter
-LEAST_GRADED_SEGMENTS = 4
 # edges of a cell of bare fabric
 BARE_EDGES = 4
 
@@ -52,7 +50,8 @@ def aligned_cell_mesh(
     if not len(directions):  # bare fabric repeats from triangle to triangle, so a few of them are the whole cell
         lattice_vectors, k = lattice_vectors * BARE_EDGES / k, BARE_EDGES
     grading = _cell_grading(lattice_vectors, directions, lengths) if graded and len(directions) else None
-    least = LEAST_GRADED_SEGMENTS if grading is not None else 1
+    # edges of short arms on graded meshes: with fewer ones the curvature of such stars jumps by a quarter
+    least = 4 if grading is not None else 1
     links = _link_stations(directions, _link_reach(lattice_vectors, directions, lengths), k, least)
     shift = _grid_displacement(k, lattice_vectors, links)
     if grading is not None:

@@ -39,8 +39,6 @@ MIN_NATURAL_CURL = 0.015
 ROOT_TOLERANCE = 1e-5
 # steps go so far beyond the expected root that the moment changes its sign
 OVERSHOOT_FACTOR = 1.15
-# first regularisation where a sheet is bent further: its matrix is indefinite, and smaller ones would be refused
-FIRST_BLEND = 0.9
 # curvature 1/mm and moment N
 CurvatureMoment = tuple[float, float]
 
@@ -123,7 +121,8 @@ class _Walk:
             return self._roll(part_way(sheet, unroll(self.cell, others[0]), part), nearest.bump, curvature, 0.0)
         return self._roll(sheet, nearest.bump, curvature)
 
-    def _roll(self, sheet: UnrolledCell, bump: Array, curvature: float, blend: float = FIRST_BLEND) -> Tube:
+    # the matrix of a sheet that is bent further is indefinite, and would be refused with a smaller blend
+    def _roll(self, sheet: UnrolledCell, bump: Array, curvature: float, blend: float = 0.9) -> Tube:
         tube = roll_cell(self.cell, sheet, curvature, self.angle, blend)
         side = np.sign(curvature)  # a star that leaves the wrong side only finds its branch
         snap = 0.029 * self.cell.spacing  # a star with a lower bump counts as flat

@@ -231,7 +231,6 @@ def _squares(directions: Floats) -> Floats:
 FIRST_ANGLES: Floats = np.radians(np.arange(-90.0, 90.0, 2.5))
 # later passes try angles around the best one, relative to the last step
 ANGLE_STEPS: Floats = np.linspace(-1.0, 1.0, 13)
-LATER_PASSES = 2
 
 
 def tensors(kappa: Floats, anisotropy: Floats) -> tuple[Floats, Floats]:
@@ -247,7 +246,7 @@ def tube_of_largest_gain(kappa: Floats, anisotropy: Floats) -> Floats:
     q, m = tensors(kappa, anisotropy)
     tried, step = np.broadcast_to(FIRST_ANGLES, (len(kappa), len(FIRST_ANGLES))), FIRST_ANGLES[1] - FIRST_ANGLES[0]
     best = _of_largest_gain(q, m, tried)
-    for _ in range(LATER_PASSES):
+    for _ in range(2):
         best = _of_largest_gain(q, m, best + step * ANGLE_STEPS)
         step *= ANGLE_STEPS[1] - ANGLE_STEPS[0]
     return np.asarray(natural_curvatures(q, m, best)[0][:, 0])

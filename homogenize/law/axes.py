@@ -20,11 +20,6 @@ from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM
 from asterism.pattern.layout.layout import Layout
 
-# of the spacing. Up to arms of this length a sheet departs so smoothly from bare fabric that a curve from there to the
-# first cell gives all lengths between: the paper's law without its shorter cells keeps contractions within 0.5 % there
-# for thicknesses from 0.3 mm. Longer arms begin to curl their sheet.
-MAX_BRIDGED_LENGTH_RATIO = 0.2
-
 
 @dataclass(frozen=True)
 class Axis:
@@ -111,4 +106,7 @@ def min_length(lengths_mm: Iterable[float], spacing_mm: float) -> float:
     (0.0, 3.6)
     """
     first = min((float(length) for length in lengths_mm if length > 0), default=0.0)
-    return first if first > MAX_BRIDGED_LENGTH_RATIO * spacing_mm else 0.0
+    # Up to arms of this length a sheet departs so smoothly from bare fabric that a curve from there to the first cell
+    # gives all lengths between: the paper's law without its shorter cells keeps contractions within 0.5 % there for
+    # thicknesses from 0.3 mm. Longer arms begin to curl their sheet.
+    return first if first > 0.2 * spacing_mm else 0.0

@@ -31,10 +31,8 @@ from asterism.pattern.design.files import read_bytes
 
 # raise it when the arrays or quantities of a file change their meaning
 LAW_FORMAT = 5
-MAX_LAW_BYTES = 1_000_000_000
 PAPER_LAW = Path(__file__).parents[1] / "data" / "paper.npz"
 _REMEDY = "make it again: asterism calibrate"
-_TEXTS = ("plan", "residuals", "made")
 
 
 def law_of_tables(
@@ -156,12 +154,12 @@ def load_law(path: str | Path | None = None) -> StarLaw | MotifLaw:
     """
     path = PAPER_LAW if path is None else Path(path)
     with _file_errors(path):
-        with np.load(io.BytesIO(read_bytes(path, MAX_LAW_BYTES)), allow_pickle=False) as archive:
+        with np.load(io.BytesIO(read_bytes(path, 1_000_000_000)), allow_pickle=False) as archive:
             if "format" not in archive:
                 raise LawError(f"{path}: is not a law")
             if (version := int(archive["format"])) != LAW_FORMAT:
                 raise LawError(f"{path}: has format {version}, this version reads {LAW_FORMAT}; {_REMEDY}")
-            data, residuals, made = (json.loads(archive[name].tobytes()) for name in _TEXTS)
+            data, residuals, made = (json.loads(archive[name].tobytes()) for name in ("plan", "residuals", "made"))
             plan = LawPlan.from_dict(data)
             tables = [_table(plan, archive, number) for number in range(len(plan.stretches))]
             samples = PackedRows(archive["samples"].tobytes(), path)

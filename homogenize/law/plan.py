@@ -26,8 +26,6 @@ from asterism.pattern.layout.layout import Layout
 
 # relative difference between numbers of a design and of the law: rounding of the machine
 LATTICE_TOLERANCE = 1e-6
-# the same for a measured material, whose numbers people copy from a printed text; the law is less accurate than this
-MATERIAL_TOLERANCE = 2e-3
 # keys of a material that may differ. Without gravity, shapes depend on the ratio of the moduli only; the fabric's own
 # stiffnesses are compared over its modulus
 FREE_KEYS = {
@@ -252,7 +250,8 @@ class LawPlan:
             raise LawError(str(refused), field=refused.field)
         both = (self._traits(each, design) for each in (self.design, design))
         for known, asked in zip(*both, strict=False):
-            tolerance = MATERIAL_TOLERANCE if known.kind == "material" else LATTICE_TOLERANCE
+            # people copy the numbers of a measured material from a printed text; the law is less accurate than this
+            tolerance = 2e-3 if known.kind == "material" else LATTICE_TOLERANCE
             if not same_values(known.value, asked.value, tolerance):
                 field, other = known.field, f"the law is for another {known.kind}"
                 if isinstance(asked.value, list) and not asked.words:  # places of a line

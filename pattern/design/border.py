@@ -16,9 +16,8 @@ from asterism.pattern.geometry.planar import distance_to_segment
 
 MAX_SHEET_MM = 5000.0
 MIN_SHEET_AREA_MM2 = 1.0
-# A spike or a slit is thinner than this, and much longer.
+# a spike or a slit is thinner than this
 MIN_SHEET_WIDTH_MM = 0.01
-MIN_SPIKE_ASPECT = 20.0
 MAX_HOLES = 1000
 # keys of `Border`, one of which has the outline
 OUTLINES = ("rings", "rectangle_mm", "polygon_mm", "circle_mm", "spline_mm", "rods")
@@ -242,5 +241,6 @@ def _thin_place(corners: Floats) -> int | None:
     # way along the outline to the nearer end of the edge, in either direction; it is 0 to the two edges that end here
     ahead = (along[edge] - along[corner]) % along[-1]
     way = np.minimum(ahead, along[-1] - ahead - length[edge])
-    thin = (distance < MIN_SHEET_WIDTH_MM) & (way > MIN_SPIKE_ASPECT * MIN_SHEET_WIDTH_MM)
+    # and much longer
+    thin = (distance < MIN_SHEET_WIDTH_MM) & (way > 20.0 * MIN_SHEET_WIDTH_MM)
     return int(corner[thin].min()) if thin.any() else None

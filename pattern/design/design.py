@@ -29,7 +29,6 @@ GRAVITY_M_S2 = 9.81
 MEANT_KEYS = {
     ("plastic", "modulus_mpa"): "unknown key here, use modulus_ratio: the plastic's modulus over the fabric's"
 }
-_FIELD = re.compile(r"(\w+)(?:\.\w+|\[\d+\])*(?= = |: )")
 # least and largest weight of a place; places without one have the weight 1
 WEIGHT_RANGE = (0.01, 100.0)
 
@@ -293,5 +292,5 @@ def leading_field(message: str) -> str:
     >>> leading_field("the motif has no law of one cell: 2 x 2 cells relax to 90 % of its energy")
     ''
     """
-    found = _FIELD.match(message)
+    found = re.match(r"(\w+)(?:\.\w+|\[\d+\])*(?= = |: )", message)
     return found[0] if found and found[1] in Design.model_fields else ""

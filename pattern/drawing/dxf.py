@@ -20,12 +20,9 @@ from asterism.pattern.geometry.flattening import flattened_spline
 DXF_NEEDED = 'needs ezdxf: pip install "asterism-fabric[cad]"'
 _LINES = ("LINE", "LWPOLYLINE", "POLYLINE", "ARC", "CIRCLE", "ELLIPSE", "SPLINE", "HELIX")
 _NAMES = {"MTEXT": "text|s", "TEXT": "text|s", "ATTRIB": "text|s", "ATTDEF": "text|s", "HATCH": "hatch|es"}
-_STARTS = {b"AutoCAD Binary DXF": "binary DXF", b"AC10": "DWG", b"<": "HTML or XML"}
 # mm of the unit by its number in the header, $INSUNITS; 0 is none
 _MM_OF_INSUNITS = {1: 25.4, 2: 304.8, 3: 1_609_344.0, 4: 1.0, 5: 10.0, 6: 1e3, 7: 1e6, 8: 2.54e-5, 9: 0.0254, 10: 914.4}
 _MM_OF_INSUNITS |= {11: 1e-7, 12: 1e-6, 13: 1e-3, 14: 100.0, 15: 1e4, 16: 1e5, 21: 1.2e6 / 3937.0}
-# Bezier curves of a circle, which are within 1e-7 of its radius, and pieces of each, which turn by less than 6 degrees
-_CIRCLE_CURVES, _ARC_PIECES = 16, 4
 
 
 def open_dxf(path: Path) -> Source:
@@ -36,7 +33,8 @@ def open_dxf(path: Path) -> Source:
     except ImportError:
         raise DrawingError(DXF_NEEDED) from None
     raw = path.read_bytes()
-    kind = next((kind for start, kind in _STARTS.items() if raw.lstrip().startswith(start)), None)
+    starts = {b"AutoCAD Binary DXF": "binary DXF", b"AC10": "DWG", b"<": "HTML or XML"}
+    kind = next((kind for start, kind in starts.items() if raw.lstrip().startswith(start)), None)
     if kind or b"SECTION" not in raw:
         raise DrawingError(f"cannot be read as DXF, it is {kind or 'no drawing'}: save the drawing as text DXF")
     logging.getLogger("ezdxf").setLevel(logging.CRITICAL)
@@ -80,9 +78,10 @@ def _lines(drawing: Any, deleted: int, curve: float, left_out: Counter[str]) -> 
             if kind in ("SPLINE", "HELIX"):
                 points = _spline_points(entity.construction_tool(), matrix, curve, layer, name)
             else:
-                outline = make_path(entity, segments=_CIRCLE_CURVES).transform(matrix)
+                # 16 Bezier curves of a circle are within 1e-7 of its radius; 4 pieces of each turn by less than 6 deg
+                outline = make_path(entity, segments=16).transform(matrix)
                 checked(np.array([point.xyz for point in outline.control_vertices()]), layer, name)
-                points = np.array([(p.x, p.y) for p in outline.flattening(curve, segments=_ARC_PIECES)], dtype=float)
+                points = np.array([(p.x, p.y) for p in outline.flattening(curve, segments=4)], dtype=float)
         except (ArithmeticError, ValueError) as error:
             if isinstance(error, DrawingError):
                 raise

@@ -28,8 +28,6 @@ _MAX_BYTES = 20_000_000
 _MAX_LINES = 20_000
 _MAX_SIZE_MM = 2e5
 _SAME_PLACE_MM = 1e-4
-# what takes the place of the end of `text|s`, for one and for several
-_ENDS = ("", r"\1")
 
 
 @dataclass(frozen=True)
@@ -94,7 +92,9 @@ def read_drawing(
             lines.append(replace(line, points=points, layer=layer, width_mm=width))
             if len(lines) > _MAX_LINES:
                 raise DrawingError(f"holds more than {_MAX_LINES} lines")
-    parts = (f"{n} {re.sub('[|]([a-z]*)', _ENDS[n > 1], what)}" for what, n in left_out.items() if n)
+    # `text|s` is a text, or several texts
+    counted = ((n, re.sub("[|]([a-z]*)", r"\1" if n > 1 else "", what)) for what, n in left_out.items() if n)
+    parts = (f"{n} {what}" for n, what in counted)
     rest = one_line(", ".join(parts))
     if not lines:
         raise DrawingError("holds no line with a stroke" + (f"; left out: {rest}" if rest else ""))

@@ -31,11 +31,9 @@ _LENGTH_UNITS = ("mm", "cm", "in", "pt", "pc")
 # all widths and heights that SVG allows
 _NUMBER = r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?"
 _SIZE = re.compile(rf"((?!-){_NUMBER}({'|'.join(_LENGTH_UNITS)}|px|%|em|ex)?)?")
-_SVG = "{http://www.w3.org/2000/svg}"
 _INKSCAPE = "{http://www.inkscape.org/namespaces/inkscape}"
 _HREF = ("href", "{http://www.w3.org/1999/xlink}href")
 _LAYER = "data-asterism-layer"
-_GROUPS = ("g", "a", "switch", "svg", "use")
 _SHAPES = ("path", "rect", "circle", "ellipse", "line", "polyline", "polygon")
 _NAMES = {"text": "text|s", "image": "picture|s", "foreignObject": "foreign object|s"}
 # percentages of these are of the height of the viewport, and of the others of its width
@@ -115,7 +113,7 @@ class _Unfolded:
         tag, own = _tag(element), dict(element.attrib)
         if tag in _NAMES:
             self._left_out[_NAMES[tag]] += 1
-        if tag not in _GROUPS and tag not in _SHAPES and (tag != "symbol" or sides is None):
+        if tag not in ("g", "a", "switch", "svg", "use") and tag not in _SHAPES and (tag != "symbol" or sides is None):
             return
         if depth > MAX_DEPTH:
             raise DrawingError(f"has groups more than {MAX_DEPTH} deep, or an element that uses itself")
@@ -149,7 +147,7 @@ class _Unfolded:
 
 
 def _tag(element: Any) -> str:
-    return str(element.tag).removeprefix(_SVG)
+    return str(element.tag).removeprefix("{http://www.w3.org/2000/svg}")
 
 
 def _length(own: dict[str, str], name: str, whole: float, default: str = "0") -> float:

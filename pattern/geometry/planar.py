@@ -14,8 +14,6 @@ from asterism.equilibrium.arrays import Floats, Ints
 MAX_TABLE_ENTRIES = 2_000_000
 # an outline that turns by less has no corner there
 STRAIGHT_TURN_RAD = 1e-6
-# points of an outline whose places in space are drawn
-OUTLINE_STEP_MM = 2.0
 
 
 def cross_2d(a: Floats, b: Floats) -> Floats:
@@ -28,7 +26,7 @@ def polygon_area(polygon: Float[np.ndarray, "n 2"]) -> float:
     return float(cross_2d(polygon, np.roll(polygon, -1, axis=0)).sum() / 2)
 
 
-def dense_outline(ring: Float[np.ndarray, "n 2"], step_mm: float = OUTLINE_STEP_MM) -> Float[np.ndarray, "m 2"]:
+def dense_outline(ring: Float[np.ndarray, "n 2"], step_mm: float = 2.0) -> Float[np.ndarray, "m 2"]:
     """(m, 2) points along a ring (n, 2), its corners among them, at most `step_mm` apart.
 
     >>> dense_outline(np.array([[0.0, 0.0], [3.0, 0.0], [0.0, 1.0]])).shape

@@ -28,7 +28,6 @@ from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.supports import SupportSamples
 
 RIGID_MOTION_TOLERANCE = 1e-6  # of the supports' size: smaller motions leave them in place
-MAX_FIT_STEPS = 60  # Newton steps of a fit
 START_TURNS_RAD = (0.0, 0.5 * np.pi, np.pi, 1.5 * np.pi)  # starts of a fit about each free axis
 
 
@@ -127,7 +126,7 @@ class _Fit:
     def solve(self, rotation: Floats, shift: Floats) -> tuple[Floats, Floats]:
         """The local minimum from a start: Newton's method in the null space; each step returns to the supports."""
         free, size = self.free, self.free.size
-        for _ in range(MAX_FIT_STEPS):
+        for _ in range(60):
             centre = rotation @ self.centre + shift
             points = free.points @ rotation.T + shift
             back = -np.linalg.pinv(free.equations(points, centre), RIGID_MOTION_TOLERANCE) @ free.misses(

@@ -16,10 +16,6 @@ from asterism.pattern.layout.sheet_edges import SheetEdges
 from asterism.pattern.layout.supports import PinSet, SupportSamples, all_points, sample_supports
 from asterism.pattern.rods.graph import Rod, RodGraph
 
-# points of a drawn rod at which shapes are compared, and most rods that are compared
-COMPARED_POINTS_A_ROD = 9
-MAX_COMPARED_RODS = 1000
-
 
 @dataclass(frozen=True)
 class Layout:
@@ -170,8 +166,9 @@ class Layout:
     @cached_property
     def points_on_rods(self) -> Floats:
         """(n, 2) mm, points at equal parts of every drawn rod, at which shapes are compared."""
-        parts = np.linspace(0.0, 1.0, COMPARED_POINTS_A_ROD)
-        rods = self.graph.rods[:: max(len(self.graph.rods) // MAX_COMPARED_RODS, 1)]
+        parts = np.linspace(0.0, 1.0, 9)
+        # shapes with more rods are compared at some of them
+        rods = self.graph.rods[:: max(len(self.graph.rods) // 1000, 1)]
         return np.concatenate([rod.at(rod.points, parts) for rod in rods])
 
     @property

@@ -25,11 +25,6 @@ if TYPE_CHECKING:
 FIXED_BY_SLIDE = {None: (True, True, True), "z": (True, True, False), "plane": (False, False, True)}
 
 
-# width of the corners with a place over that of the whole chain, both across the line of these corners: below it, an
-# affine image would magnify what the arcs stand out by
-MIN_WIDTH = 0.3
-
-
 @dataclass(frozen=True, eq=False)
 class SupportCurve:
     """The curve in space along which a chain of supported edges of the outline is held.
@@ -70,7 +65,8 @@ class SupportCurve:
         centre = held.mean(axis=0)
         terms = np.column_stack([held - centre, np.ones(len(held))])
         fitted = np.linalg.lstsq(terms, places, rcond=None)[0]
-        if np.ptp(_across(held, held)) < MIN_WIDTH * np.ptp(_across(held, corners)):
+        # an affine image of narrow corners would magnify what the arcs between them stand out by
+        if np.ptp(_across(held, held)) < 0.3 * np.ptp(_across(held, corners)):
             fitted[:2] = _similar(held, places)
         matrix = fitted[:2].T
         rest = places - terms @ fitted

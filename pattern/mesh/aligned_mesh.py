@@ -25,7 +25,6 @@ from asterism.pattern.mesh.mesh import Mesh, check_edge, checked
 from asterism.pattern.mesh.outline_points import PIN_VERTEX_TOLERANCE_MM, outline_points, pin_vertices
 from asterism.pattern.mesh.triangulate import triangulate
 
-MAX_SMOOTHINGS = 4
 # meshes with a smaller angle are left to the Delaunay mesh, which refines narrow places
 MIN_ALIGNED_ANGLE_DEG = 15.0
 # points this close to a grid line are on it, in spacings
@@ -226,7 +225,7 @@ def _smoothed(points: Floats, segments: Ints, still: NDArray[np.bool_], enough: 
     points, triangles = triangulate(points, segments, min_angle_deg=28.0)
     still = np.pad(still, (0, len(points) - len(still)))
     best, best_angle = (points, triangles), triangle_angles(points, triangles).min()
-    for _ in range(MAX_SMOOTHINGS):
+    for _ in range(4):
         if best_angle >= enough:
             break
         points = np.where(still[:, None], points, mean_circumcentres(points, triangles))

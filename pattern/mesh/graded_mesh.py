@@ -27,7 +27,6 @@ from asterism.pattern.mesh.mesh import Mesh
 
 GRADED_EDGE_FACTOR = 0.3  # edge at an arm or a tip over the edge far from both
 REACH_SPACINGS = 0.25  # distance from the arms, in spacings, at which edges have their full length
-ARM_SAMPLES_A_SPACING = 200  # sample points of an arm on one spacing
 # least weight of a spring: diagonals of squares have none of their own
 MIN_SPRING_WEIGHT = 0.05
 MAX_ROUNDS = 30
@@ -123,8 +122,8 @@ def graded_parts(parts: Floats, size: Floats) -> Floats:
 
 
 def _even_parts(length: float, spacing: float) -> Floats:
-    """(n,) parts of a rod from 0 to 1, close enough for distances to it."""
-    return np.linspace(0.0, 1.0, max(int(np.ceil(ARM_SAMPLES_A_SPACING * length / spacing)), 1) + 1)
+    """(n,) parts of a rod from 0 to 1, 200 a spacing: close enough for distances to it."""
+    return np.linspace(0.0, 1.0, max(int(np.ceil(200 * length / spacing)), 1) + 1)
 
 
 def graded_mesh(mesh: Mesh, layout: Layout, edge_mm: float) -> Mesh:

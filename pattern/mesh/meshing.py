@@ -62,12 +62,9 @@ def _even_mesh(layout: Layout, edge_mm: float, kind: MeshKind, seed: int, draft:
     return delaunay_mesh(layout, edge_mm, seed, draft)
 
 
-REFINEMENT_ANGLE_DEG = 30.0
 # arms and outline are split where they touch triangles with a smaller angle
 POOR_ANGLE_DEG = 25.0
-MAX_SPLITS = 3
 # drawings may have narrower places than stars, and are refused if their triangles stay flatter than this
-MAX_DRAWN_SPLITS = 6
 MIN_DRAWN_ANGLE_DEG = 20.0
 
 
@@ -104,7 +101,8 @@ def delaunay_mesh(layout: Layout, edge_mm: float, seed: int = 0, draft: bool = F
     on_outline = outline_points(layout.outline, edge_mm, pins, tolerance, np.zeros((0, 2)))
     frame = _Frame(on_outline, np.append(step, np.full(len(layout.holes), edge_mm)))
     best, best_angle = None, -1.0
-    splits = MAX_SPLITS if layout.drawn is None else MAX_DRAWN_SPLITS
+    # drawings may have narrower places than stars
+    splits = 3 if layout.drawn is None else 6
     for _ in range(1 if draft else splits + 1):
         mesh = _mesh(layout, frame, pins, edge_mm, seed)
         angles = triangle_angles(mesh.points, mesh.triangles).min(axis=1)
@@ -148,7 +146,7 @@ def _mesh(layout: Layout, frame: _Frame, pins: Floats, edge_mm: float, seed: int
     points, triangles = triangulate(
         points,
         segments,
-        min_angle_deg=REFINEMENT_ANGLE_DEG,
+        min_angle_deg=30.0,
         max_area=0.7 * edge_mm**2,
         holes=[place_within(points[hole]) for hole in holes],
     )

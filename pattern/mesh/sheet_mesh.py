@@ -32,12 +32,6 @@ from asterism.pattern.layout.sheet_edges import SheetEdges
 from asterism.pattern.mesh.outline_points import outline_points, place_within
 from asterism.pattern.mesh.triangulate import triangulate
 
-MAX_RELAXATION_SWEEPS = 4
-# flatter triangles beside holes are refined, and the angle that is aimed for then
-MIN_ANGLE_BESIDE_HOLES_DEG, ANGLE_BESIDE_HOLES_DEG = 15.0, 25.0
-# an outline that turns by more has a corner there
-CORNER_DEG = 35.0
-
 
 @dataclass(frozen=True)
 class SheetMesh:
@@ -143,7 +137,7 @@ def _filling(rings: Sequence[Floats], fixed: Floats, edge_mm: float) -> Floats:
 def _relaxed(fixed: Floats, free: Floats, rim: Ints, edge_mm: float, holes: Sequence[Floats]) -> tuple[Floats, Ints]:
     """Points and triangles, the free points moved so that triangles are nearly equilateral."""
     points, triangles = triangulate(np.concatenate([fixed, free]), rim, holes=holes)
-    for _ in range(MAX_RELAXATION_SWEEPS if len(free) else 0):
+    for _ in range(4 if len(free) else 0):
         moved = mean_circumcentres(points, triangles)[len(fixed) :]
         if np.abs(moved - points[len(fixed) :]).max() < 0.02 * edge_mm:
             break
@@ -151,10 +145,9 @@ def _relaxed(fixed: Floats, free: Floats, rim: Ints, edge_mm: float, holes: Sequ
             points, triangles = triangulate(np.concatenate([fixed, moved]), rim, holes=holes)
         except MeshError:  # a point left the sheet
             break
-    if (
-        holes and triangle_angles(points, triangles).min() < MIN_ANGLE_BESIDE_HOLES_DEG
-    ):  # beside a hole smaller than the triangles
-        points, triangles = triangulate(points, rim, min_angle_deg=ANGLE_BESIDE_HOLES_DEG, holes=holes)
+    # beside a hole smaller than the triangles
+    if holes and triangle_angles(points, triangles).min() < 15.0:
+        points, triangles = triangulate(points, rim, min_angle_deg=25.0, holes=holes)
     return points, triangles
 
 
@@ -167,7 +160,8 @@ def coarse_outline(border: Floats, edge_mm: float, fixed: Ints) -> tuple[Floats,
     edge_mm : what counts as short.
     fixed : corners that must stay.
     """
-    kept = np.union1d(fixed, np.flatnonzero(np.abs(turning_angles(border)) > np.radians(CORNER_DEG))).astype(np.int64)
+    # an outline that turns by more has a corner there
+    kept = np.union1d(fixed, np.flatnonzero(np.abs(turning_angles(border)) > np.radians(35.0))).astype(np.int64)
     whole = np.arange(len(border))
     if len(kept) == len(border):
         return border, whole

@@ -49,11 +49,6 @@ from asterism.pattern.design.errors import MeshError
 from asterism.pattern.design.materials import BendingStiffness
 from asterism.pattern.geometry.planar import triangle_areas, triangle_gradients
 
-# 1: squared second derivatives for unit heights times squared area, once an affine map has made the triangle
-# equilateral; affine images of equilateral meshes have 1, so that thin triangles beside arms keep their neighbours
-MAX_CURVATURE_GAIN = 10.0
-# 1: determinant of the products at the three vertices; below it the six vertices lie on a conic
-MIN_DETERMINANT = 1e-9
 _NONE = np.empty((0, 3), dtype=np.int64)
 
 
@@ -101,7 +96,9 @@ def patches(triangles: Array, points: Array, surrounding: Array | None = None) -
     second, gain = _quadratic(points, triangles, first, products, np.where(extra < 0, 0, extra))
     gain[(extra < 0).any(axis=1)] = np.inf
     neighbours = _vertex_neighbours(all_triangles)
-    pending = {t: _candidates(triangles[t], extra[t], neighbours) for t in np.flatnonzero(~(gain < MAX_CURVATURE_GAIN))}
+    # squared second derivatives for unit heights times squared area, once an affine map has made the triangle
+    # equilateral; affine images of equilateral meshes have 1, so that thin triangles beside arms keep their neighbours
+    pending = {t: _candidates(triangles[t], extra[t], neighbours) for t in np.flatnonzero(~(gain < 10.0))}
     while pending:
         tried = [next(choices, _NONE) for choices in pending.values()]
         if any(choices is _NONE for choices in tried):
@@ -144,7 +141,8 @@ def _quadratic(points: Array, triangles: Array, first: Array, products: Array, e
     # the inverse by cofactors, which for many small matrices is faster than a library's
     cofactors = np.cross(np.roll(value, -1, axis=1), np.roll(value, -2, axis=1))
     determinant = (value[:, 0] * cofactors[:, 0]).sum(axis=1)
-    regular = np.abs(determinant) > MIN_DETERMINANT
+    # determinant of the products at the three vertices; below it the six vertices lie on a conic
+    regular = np.abs(determinant) > 1e-9
     second = cofactors @ products / np.where(regular, determinant, 1.0)[:, None, None]
     # second derivatives along the three sides
     side = np.roll(points[triangles], -1, axis=1) - points[triangles]
