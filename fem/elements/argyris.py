@@ -44,24 +44,15 @@ MAX_OUTSIDE = 0.3  # heights of a triangle, largest distance of a point outside 
 
 @dataclass(frozen=True)
 class Tabulation:
-    """Scalar basis functions of T triangles at Q quadrature points each; lengths are printed mm.
+    """Scalar basis functions of T triangles at Q quadrature points each; lengths are printed mm."""
 
-    Attributes
-    ----------
-    dofs : (T, m) scalar dofs of each triangle's stencil, the same for the three components of the position.
-    values : (T, Q, m).
-    gradients : (T, Q, m, 2) derivatives 1, 2.
-    hessians : (T, Q, m, 3) derivatives 11, 22, 12.
-    weights : (T, Q) mm^2 of printed area.
-    points : (T, Q, 2) mm.
-    """
-
+    # (T, m) scalar dofs of each triangle's stencil, the same for the three components of the position.
     dofs: Int[np.ndarray, "T m"]
-    values: Float[np.ndarray, "T Q m"]
-    gradients: Float[np.ndarray, "T Q m 2"]
-    hessians: Float[np.ndarray, "T Q m 3"]
-    weights: Float[np.ndarray, "T Q"]
-    points: Float[np.ndarray, "T Q 2"]
+    values: Float[np.ndarray, "T Q m"]  # (T, Q, m)
+    gradients: Float[np.ndarray, "T Q m 2"]  # (T, Q, m, 2) derivatives 1, 2
+    hessians: Float[np.ndarray, "T Q m 3"]  # (T, Q, m, 3) derivatives 11, 22, 12
+    weights: Float[np.ndarray, "T Q"]  # (T, Q) mm^2 of printed area
+    points: Float[np.ndarray, "T Q 2"]  # (T, Q, 2) mm
 
 
 class Argyris:

@@ -15,18 +15,11 @@ PlaneMap = Callable[[Floats], Floats]
 
 @dataclass(frozen=True)
 class Deformation:
-    """A map of printed points (n, 2) mm into space.
+    """A map of printed points (n, 2) mm into space."""
 
-    Attributes
-    ----------
-    position : function to positions (n, 3) mm.
-    gradient : function to derivatives 1, 2: (n, 3, 2).
-    hessian : function to derivatives 11, 22, 12: (n, 3, 3) per mm.
-    """
-
-    position: PlaneMap
-    gradient: PlaneMap
-    hessian: PlaneMap
+    position: PlaneMap  # function to positions (n, 3) mm
+    gradient: PlaneMap  # function to derivatives 1, 2: (n, 3, 2)
+    hessian: PlaneMap  # function to derivatives 11, 22, 12: (n, 3, 3) per mm
 
     def jets(self, points: Floats) -> Floats:
         """(n, 6, 3) position and derivatives 1, 2, 11, 22, 12."""

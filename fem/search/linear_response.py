@@ -29,14 +29,9 @@ from asterism.fem.shell.shell import Shell
 
 @dataclass(frozen=True)
 class Response:
-    """An equilibrium after the change, to first order.
+    """An equilibrium after the change, to first order."""
 
-    Attributes
-    ----------
-    x : (N, 3).
-    """
-
-    x: Floats
+    x: Floats  # (N, 3)
     _shell: Shell
     _start: Floats
     _before: Floats

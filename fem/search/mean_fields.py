@@ -30,24 +30,14 @@ def side_of(shell: Shell, x: Floats) -> Side:
 
 @dataclass(frozen=True)
 class MeanFields:
-    """Rest metric, rest curvature and Poisson's ratio, averaged over the printed sheet.
+    """Rest metric, rest curvature and Poisson's ratio, averaged over the printed sheet."""
 
-    Attributes
-    ----------
-    centre : (2,) printed mm.
-    stretch : rest length over printed length.
-    gaussian : Gaussian curvature of the rest metric, per mm^2.
-    curvature : rest curvature, per mm; positive lifts the edges towards +z.
-    poisson : Poisson's ratio of the bending stiffness.
-    chord : target size of the set of fixed points over its printed size; inf without two fixed points.
-    """
-
-    centre: Floats
-    stretch: float
-    gaussian: float
-    curvature: float
-    poisson: float
-    chord: float
+    centre: Floats  # (2,) printed mm
+    stretch: float  # rest length over printed length
+    gaussian: float  # Gaussian curvature of the rest metric, per mm^2
+    curvature: float  # rest curvature, per mm; positive lifts the edges towards +z
+    poisson: float  # Poisson's ratio of the bending stiffness
+    chord: float  # target size of the set of fixed points over its printed size; inf without two fixed points
 
     @property
     def side(self) -> Side:

@@ -47,26 +47,18 @@ class Trial:
 class ShellEquilibrium(Minimum):
     """A state of the shell with its certificate: minimum, saddle or not converged.
 
-    Attributes
-    ----------
-    strains : (T, Q, 6) at the quadrature points; `follow` continues from them.
-    energies : N mm, by part: as `Shell.energies`, with the part of Gaussian curvature as `gaussian`.
-    soft_modes : (k,) N/mm^3, smallest eigenvalues of the Hessian with respect to the mass matrix of unit density. A
-        mode of 1 mm rms displacement has half of this times the area as its energy. An eigenvalue far below the others
-        belongs to a near-zero mode, such as a rotation of the roll axis of a uniform sheet. Empty if not computed.
-    guess : name of the initial guess that led here.
-    trials : all initial guesses that were followed.
-    load_steps : number of steps in which fields and loads were applied; 0 without load steps.
-
     For the others, see `Minimum`.
     """
 
-    strains: Floats
-    energies: dict[str, float]
-    guess: str
+    strains: Floats  # (T, Q, 6) at the quadrature points; `follow` continues from them
+    energies: dict[str, float]  # N mm, by part: as `Shell.energies`, with the part of Gaussian curvature as `gaussian`
+    guess: str  # name of the initial guess that led here
+    # (k,) N/mm^3, smallest eigenvalues of the Hessian with respect to the mass matrix of unit density. A mode of 1 mm
+    # rms displacement has half of this times the area as its energy. An eigenvalue far below the others belongs to a
+    # near-zero mode, such as a rotation of the roll axis of a uniform sheet. Empty if not computed.
     soft_modes: Floats = field(default_factory=lambda: np.empty(0))
-    trials: tuple[Trial, ...] = ()
-    load_steps: int = 0
+    trials: tuple[Trial, ...] = ()  # all initial guesses that were followed
+    load_steps: int = 0  # number of steps in which fields and loads were applied; 0 without load steps
 
     @property
     def x(self) -> Floats:

@@ -30,14 +30,6 @@ SERIES = np.stack(
 class SimpleShape:
     """A simple shape.
 
-    Attributes
-    ----------
-    name : `flat`; `cap`, a sphere on which radial lengths are kept; `arc`, a cylinder; `saddle` and `bent`, parts of a
-        torus with principal curvatures of opposite or equal signs, on which the lengths of meridians are kept.
-    curvature : per mm of the contracted sheet; positive lifts the edges towards +z.
-    angle : rad, direction of this curvature.
-    across : per mm, curvature in the perpendicular direction.
-
     An arc of curvature 0.1/mm on a square of 2 mm: its edges are `10 (1 - cos 0.1)` mm above the centre line.
 
     >>> from skfem import MeshTri
@@ -47,10 +39,12 @@ class SimpleShape:
     (0.05, 0.05)
     """
 
+    # `flat`; `cap`, a sphere on which radial lengths are kept; `arc`, a cylinder; `saddle` and `bent`, parts of a torus
+    # with principal curvatures of opposite or equal signs, on which the lengths of meridians are kept.
     name: str
-    curvature: float = 0.0
-    angle: float = 0.0
-    across: float = 0.0
+    curvature: float = 0.0  # per mm of the contracted sheet; positive lifts the edges towards +z
+    angle: float = 0.0  # rad, direction of this curvature
+    across: float = 0.0  # per mm, curvature in the perpendicular direction
 
     def positions(self, space: Argyris, centre: Floats, stretch: float) -> Floats:
         """(N, 3) mm, the shape of a sheet scaled by `stretch`, with the printed point `centre` (2,) at the origin."""

@@ -31,18 +31,6 @@ EnergyTerm = Callable[[Floats], tuple[Floats, Floats, Floats]]
 class Density:
     """Energy per printed area at the quadrature points (T, Q). A uniform part may be given without (T, Q).
 
-    Attributes
-    ----------
-    stiffness : A, (T, Q, 6, 6) or (6, 6), symmetric; membrane part in N/mm, coupling in N, bending in N mm.
-    sixfold : c3 in N mm^2, (T, Q) or a number.
-    orientation : phi in radians, direction of a lattice line. A cylinder that curves along this line has the energy
-        `+ c3 (kappa/2)^3` if its curvature kappa is far below 2 z_s.
-    saturation : z_s per mm, (T, Q) or a number. At |z| = z_s the term is half of the cubic.
-    term : w as a function from e (P, 6) at all P = T Q points to its values (P,), gradients (P, 6) and Hessians
-        (P, 6, 6).
-    prestress : s, stress at zero strain, (T, Q, 6) or (6,), N/mm and N.
-    constant : w_0, energy at zero strain, (T, Q) or a number, N/mm.
-
     One quadrature point, stretched by 1 % along the first coordinate: `W = 20 * 0.01^2/2`.
 
     >>> sheet = Density(isotropic(membrane=20.0, bending=10.0, poisson=0.3))
@@ -51,13 +39,16 @@ class Density:
     (array([[0.001]]), array([0.2 , 0.06, 0.  ]))
     """
 
-    stiffness: Floats
-    sixfold: Floats | float = 0.0
+    stiffness: Floats  # A, (T, Q, 6, 6) or (6, 6), symmetric; membrane part in N/mm, coupling in N, bending in N mm
+    sixfold: Floats | float = 0.0  # c3 in N mm^2, (T, Q) or a number
+    # phi in radians, direction of a lattice line. A cylinder that curves along this line has the energy `+ c3
+    # (kappa/2)^3` if its curvature kappa is far below 2 z_s.
     orientation: Floats | float = 0.0
-    saturation: Floats | float = np.inf
+    saturation: Floats | float = np.inf  # z_s per mm, (T, Q) or a number. At |z| = z_s the term is half of the cubic.
+    # w as a function from e (P, 6) at all P = T Q points to its values (P,), gradients (P, 6) and Hessians (P, 6, 6).
     term: EnergyTerm | None = None
-    prestress: Floats | float = 0.0
-    constant: Floats | float = 0.0
+    prestress: Floats | float = 0.0  # s, stress at zero strain, (T, Q, 6) or (6,), N/mm and N
+    constant: Floats | float = 0.0  # w_0, energy at zero strain, (T, Q) or a number, N/mm
 
     def at(self, shape: tuple[int, int]) -> Density:
         """The same density with every part as an array over the points, `shape` = (T, Q)."""

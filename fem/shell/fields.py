@@ -34,21 +34,15 @@ class FieldError(ValueError):
 
 @dataclass(frozen=True)
 class Fields:
-    """Fields of a shell. Each is constant, an array over the quadrature points, or a function of points (T, Q, 2) mm.
+    """Fields of a shell: each constant, an array over the quadrature points, or a function of points (T, Q, 2) mm."""
 
-    Attributes
-    ----------
-    density : energy per printed area.
-    metric : (..., 3) rest metric `a_11, a_22, a_12`; the metric of the print by default.
-    curvature : (..., 3) rest curvature `b_11, b_22, b_12` per mm. With the normal `x_1 x x_2` a positive one lifts the
-        edges towards +z. A contracted sheet of curvature kappa has `b = kappa a`.
-    gaussian : (...,) N mm, modulus of Gaussian curvature: it adds `gaussian det b` to the energy per printed area. A
-        negative one favours caps over saddles. A uniform one acts only at the boundary (Gauss and Bonnet).
-    """
-
-    density: Density | Callable[[Floats], Density]
-    metric: Field = (1.0, 1.0, 0.0)
+    density: Density | Callable[[Floats], Density]  # energy per printed area
+    metric: Field = (1.0, 1.0, 0.0)  # (..., 3) rest metric `a_11, a_22, a_12`; the metric of the print by default
+    # (..., 3) rest curvature `b_11, b_22, b_12` per mm. With the normal `x_1 x x_2` a positive one lifts the edges
+    # towards +z. A contracted sheet of curvature kappa has `b = kappa a`.
     curvature: Field = (0.0, 0.0, 0.0)
+    # (...,) N mm, modulus of Gaussian curvature: it adds `gaussian det b` to the energy per printed area. A negative
+    # one favours caps over saddles. A uniform one acts only at the boundary (Gauss and Bonnet).
     gaussian: Field = 0.0
 
     def rest(self, points: Floats) -> Floats:

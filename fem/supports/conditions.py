@@ -48,47 +48,32 @@ class ConditionError(ValueError):
 
 @dataclass(frozen=True)
 class PointSupport:
-    """Supported mesh vertices.
+    """Supported mesh vertices."""
 
-    Attributes
-    ----------
-    vertices : (n,) of the mesh; `vertices_at` finds them.
-    places : (n, 3) mm, target positions.
-    directions : (k, 3) unit vectors along which the position is fixed. The identity fixes all components; a single
-        normal lets the points slide on a plane.
-    name : for messages.
-    """
-
-    vertices: Ints
-    places: Floats
+    vertices: Ints  # (n,) of the mesh; `vertices_at` finds them
+    places: Floats  # (n, 3) mm, target positions
+    # (k, 3) unit vectors along which the position is fixed. The identity fixes all components; a single normal lets the
+    # points slide on a plane.
     directions: Floats = field(default_factory=lambda: np.eye(3))
-    name: str = "points"
+    name: str = "points"  # for messages
 
 
 @dataclass(frozen=True)
 class EdgeSupport:
-    """Supported mesh edges along a straight or curved line.
+    """Supported mesh edges along a straight or curved line."""
 
-    Attributes
-    ----------
-    facets : (n,) of the mesh; the whole boundary is `mesh.boundary_facets()`.
-    placement : target of the edge, a deformation of the printed sheet; the printed plane by default.
-    directions : (k, 3) unit vectors along which the position is fixed, as for points; (0, 3) fixes none.
-    clamped : fix the tangent plane along the edge to that of the target.
-    corner_deg : a vertex where the line turns by more than this angle is a corner.
-    shift : shift of the target from its placement, for edges that are not clamped: a function of points (n, 2) mm, the
-        middles (n, 2) mm of their mesh edges and tangents (n, 2) that gives (n, 3, 3) mm, the shift and its first and
-        second derivative along the edge.
-    name : for messages.
-    """
-
-    facets: Ints
+    facets: Ints  # (n,) of the mesh; the whole boundary is `mesh.boundary_facets()`
+    # target of the edge, a deformation of the printed sheet; the printed plane by default.
     placement: Deformation = field(default_factory=flat)
+    # (k, 3) unit vectors along which the position is fixed, as for points; (0, 3) fixes none.
     directions: Floats = field(default_factory=lambda: np.eye(3))
-    clamped: bool = False
-    corner_deg: float = 30.0
+    clamped: bool = False  # fix the tangent plane along the edge to that of the target
+    corner_deg: float = 30.0  # a vertex where the line turns by more than this angle is a corner
+    # shift of the target from its placement, for edges that are not clamped: a function of points (n, 2) mm, the
+    # middles (n, 2) mm of their mesh edges and tangents (n, 2) that gives (n, 3, 3) mm, the shift and its first and
+    # second derivative along the edge.
     shift: EdgeShift | None = None
-    name: str = "edge"
+    name: str = "edge"  # for messages
 
 
 Condition = PointSupport | EdgeSupport
@@ -96,20 +81,14 @@ Condition = PointSupport | EdgeSupport
 
 @dataclass(frozen=True)
 class Reduction:
-    """Positions that meet all supports: `X.ravel() = map @ q + offset(progress)`.
+    """Positions that meet all supports: `X.ravel() = map @ q + offset(progress)`."""
 
-    Attributes
-    ----------
-    map : (3N, n).
-    free : (n,) entries of X.ravel() that are q.
-    printed, target : (3N,) mm, constants for the supports at their printed and at their target positions.
-    normals : (k, 3) target normals of clamped edges; the printed normals are (0, 0, 1).
-    """
-
-    map: sp.csr_matrix
-    free: Ints
+    map: sp.csr_matrix  # (3N, n)
+    free: Ints  # (n,) entries of X.ravel() that are q
+    # printed, target: (3N,) mm, constants for the supports at their printed and at their target positions.
     printed: Floats
     target: Floats
+    # (k, 3) target normals of clamped edges; the printed normals are (0, 0, 1).
     normals: Floats = field(default_factory=lambda: np.empty((0, 3)))
 
     @cached_property
@@ -234,20 +213,12 @@ def _point_rows(mesh: MeshTri, points: PointSupport) -> Rows:
 
 @dataclass(frozen=True)
 class Rows:
-    """Equations `sum_ar weights[a, r] J_a[x_r] = right` on the jets J of the position.
+    """Equations `sum_ar weights[a, r] J_a[x_r] = right` on the jets J of the position."""
 
-    Attributes
-    ----------
-    triangles : (R,) triangle whose polynomial is evaluated.
-    points : (R, 2) printed mm.
-    weights : (R, 6, 3) weights of the value and the derivatives 1, 2, 11, 22, 12 of every component.
-    right : (R, 2) right-hand sides for the printed sheet and for the target.
-    """
-
-    triangles: Ints
-    points: Floats
-    weights: Floats
-    right: Floats
+    triangles: Ints  # (R,) triangle whose polynomial is evaluated
+    points: Floats  # (R, 2) printed mm
+    weights: Floats  # (R, 6, 3) weights of the value and the derivatives 1, 2, 11, 22, 12 of every component
+    right: Floats  # (R, 2) right-hand sides for the printed sheet and for the target
 
     @classmethod
     def at(
@@ -322,18 +293,11 @@ def _line_jets(tangents: Floats, bends: Floats) -> tuple[Floats, ...]:
 
 @dataclass(frozen=True)
 class EdgeCurve:
-    """The curve at E mesh edges, each directed from its first end to its second.
+    """The curve at E mesh edges, each directed from its first end to its second."""
 
-    Attributes
-    ----------
-    ends : (E, 2, 2) mm, their two ends.
-    tangents : (E, 2, 2) unit tangents of the curve at both ends.
-    curvatures : (E, 2) per mm, at both ends; positive if the curve turns left.
-    """
-
-    ends: Floats
-    tangents: Floats
-    curvatures: Floats
+    ends: Floats  # (E, 2, 2) mm, their two ends
+    tangents: Floats  # (E, 2, 2) unit tangents of the curve at both ends
+    curvatures: Floats  # (E, 2) per mm, at both ends; positive if the curve turns left
 
 
 def left(vectors: Floats) -> Floats:
@@ -406,18 +370,11 @@ COEFFICIENT_DIGITS = 10  # decimals of coefficients scaled to a maximum of 1; eq
 
 @dataclass(frozen=True)
 class Elimination:
-    """x = map q + constant.
+    """x = map q + constant."""
 
-    Attributes
-    ----------
-    map : (n, len(free)); rows of the free unknowns are those of the identity.
-    constant : (n, k), one column for each right-hand side.
-    free : numbers of the unknowns that are kept, sorted.
-    """
-
-    map: sp.csr_matrix
-    constant: Floats
-    free: Ints
+    map: sp.csr_matrix  # (n, len(free)); rows of the free unknowns are those of the identity
+    constant: Floats  # (n, k), one column for each right-hand side
+    free: Ints  # numbers of the unknowns that are kept, sorted
 
 
 class Contradiction(ValueError):

@@ -29,39 +29,26 @@ SIZE_TOLERANCE = 1e-6
 
 @dataclass(frozen=True)
 class CellErrors:
-    """How far a table is from n cells.
+    """How far a table is from n cells."""
 
-    Attributes
-    ----------
-    percent : (n, E) errors, in percent, of the quantities `LawTable.error_names`.
-    inside : (n,) inside the range of the law.
-    tight : (n,) not scale-separated: the stated accuracy of the law ends there.
-    law, cell : (n,) for each of the law's quantities, if they are numbers.
-    """
-
-    percent: Floats
-    inside: Bools
-    tight: Bools
+    percent: Floats  # (n, E) errors, in percent, of the quantities `LawTable.error_names`
+    inside: Bools  # (n,) inside the range of the law
+    tight: Bools  # (n,) not scale-separated: the stated accuracy of the law ends there
+    # law, cell: (n,) for each of the law's quantities, if they are numbers.
     law: dict[str, Floats]
     cell: dict[str, Floats]
 
 
 @dataclass(frozen=True, eq=False)
 class LawTable(ABC):
-    """The law at one stretch, as a function of the A sizes of its plan.
+    """The law at one stretch, as a function of the A sizes of its plan."""
 
-    Attributes
-    ----------
-    plan : of the law.
-    stretch : of the fabric.
-    stored : (n1, ..., nA, K) interpolated forms. A cell without an answer has those that follow from other cells.
-    solved : (n1, ..., nA) False if the cell has no law, or was not solved. Between two answers on a line of lengths
-        the law is an interpolation on a coarser grid; elsewhere such a node lies outside its range.
-    """
-
-    plan: LawPlan
-    stretch: Stretch
+    plan: LawPlan  # of the law
+    stretch: Stretch  # of the fabric
+    # (n1, ..., nA, K) interpolated forms. A cell without an answer has those that follow from other cells.
     stored: Floats
+    # (n1, ..., nA) False if the cell has no law, or was not solved. Between two answers on a line of lengths the law is
+    # an interpolation on a coarser grid; elsewhere such a node lies outside its range.
     solved: Bools
     # what the errors at held-out cells are of
     error_names: ClassVar[tuple[str, ...]]

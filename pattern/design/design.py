@@ -34,26 +34,17 @@ WEIGHT_RANGE = (0.01, 100.0)
 
 
 class WeightedSite(Section):
-    """The weight of the places around one star.
+    """The weight of the places around one star."""
 
-    Attributes
-    ----------
-    site : lattice site, as in `Override`. A site off the sheet is ignored.
-    weight : the square of the distance to the target counts so many times.
-    """
-
-    site: Site
+    site: Site  # lattice site, as in `Override`. A site off the sheet is ignored.
+    # the square of the distance to the target counts so many times.
     weight: Number = Field(ge=WEIGHT_RANGE[0], le=WEIGHT_RANGE[1])
 
 
 class FitWeights(Section):
-    """Weights of places in a fit.
+    """Weights of places in a fit."""
 
-    Attributes
-    ----------
-    weights : each for the cell of one lattice site; elsewhere the weight is 1.
-    """
-
+    # each for the cell of one lattice site; elsewhere the weight is 1.
     weights: tuple[WeightedSite, ...] = Field((), max_length=20_000)
 
     @model_validator(mode="after")
@@ -86,38 +77,25 @@ class Gravity(Section):
 
 
 class MeshChoice(Section):
-    """The mesh of the exact model.
+    """The mesh of the exact model."""
 
-    Attributes
-    ----------
-    tolerance_percent : meshes are refined until the estimated error of the shape is within this part of the diameter.
-    edge_mm : length of the edges, of one mesh in place of a tolerance. The paper's hinges, whose stiffness follows the
-        mesh, and a fabric without bending always have one: 2 mm by default.
-    kind : aligned with the lattice, Delaunay, or aligned where possible (`auto`).
-    seed : of the Delaunay mesh.
-    graded : finer at the arms and their tips; by default the aligned meshes of a plate are.
-    """
-
+    # meshes are refined until the estimated error of the shape is within this part of the diameter.
     tolerance_percent: Number = Field(1.0, ge=0.02, le=20)
+    # length of the edges, of one mesh in place of a tolerance. The paper's hinges, whose stiffness follows the mesh,
+    # and a fabric without bending always have one: 2 mm by default.
     edge_mm: Number | None = Field(None, ge=0.2, le=500)
+    # aligned with the lattice, Delaunay, or aligned where possible (`auto`).
     kind: Literal["auto", "aligned", "delaunay"] = "auto"
-    seed: Whole = Field(0, ge=0, lt=2**32)
-    graded: Flag | None = None
+    seed: Whole = Field(0, ge=0, lt=2**32)  # of the Delaunay mesh
+    graded: Flag | None = None  # finer at the arms and their tips; by default the aligned meshes of a plate are
 
 
 class Solver(Section):
-    """The search for the shape.
+    """The search for the shape."""
 
-    Attributes
-    ----------
-    start : initial guess: all stars bumped towards the plastic, or flat with noise.
-    seed : of the noise.
-    contact : prevents the sheet from passing through itself.
-    """
-
-    start: Literal["bump", "flat"] = "bump"
-    seed: Whole = Field(0, ge=0, lt=2**32)
-    contact: Flag = False
+    start: Literal["bump", "flat"] = "bump"  # initial guess: all stars bumped towards the plastic, or flat with noise
+    seed: Whole = Field(0, ge=0, lt=2**32)  # of the noise
+    contact: Flag = False  # prevents the sheet from passing through itself
 
 
 class Design(Section):

@@ -31,16 +31,13 @@ class MeasurementNote(Section):
 class MaterialChoice(Section):
     """The section `[material]` of a design.
 
-    Attributes
-    ----------
-    file : name in the list of materials, or path of a material file; its values of `[fabric]`, `[plastic]` and
-        `[spread]` become those of the design, which then has no such key itself.
-    law : path of the law of this material, for previews. The design of a file has it as an absolute path.
-
     Relative paths begin at the folder of the design file.
     """
 
+    # name in the list of materials, or path of a material file; its values of `[fabric]`, `[plastic]` and `[spread]`
+    # become those of the design, which then has no such key itself.
     file: Text | None = Field(None, min_length=1, max_length=1000)
+    # path of the law of this material, for previews. The design of a file has it as an absolute path.
     law: Text | None = Field(None, min_length=1, max_length=1000)
 
 
