@@ -16,6 +16,11 @@ MAX_TABLE_ENTRIES = 2_000_000
 STRAIGHT_TURN_RAD = 1e-6
 
 
+def shown_place(place: Floats | Sequence[float]) -> str:
+    """A place (2,) mm as messages show it."""
+    return f"[{place[0]:.2f}, {place[1]:.2f}]"
+
+
 def cross_2d(a: Floats, b: Floats) -> Floats:
     """z component of the cross product of the vectors in the last axis."""
     return np.asarray(a[..., 0] * b[..., 1] - a[..., 1] * b[..., 0])

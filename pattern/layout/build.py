@@ -18,7 +18,7 @@ from asterism.pattern.design.files import read_table
 from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.design.pins import Pins
 from asterism.pattern.design.stars import MIN_ARM_MM
-from asterism.pattern.geometry.planar import distance_to_outline, polygon_area
+from asterism.pattern.geometry.planar import distance_to_outline, polygon_area, shown_place
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.pin_placement import check_pins, pin_set, snapped_to_lines
 from asterism.pattern.layout.sheet_edges import SheetEdges
@@ -119,15 +119,10 @@ def _of_stars(design: Design) -> Layout:
 
     full, (tips, too_long) = tips, cut(centres[star], tips, corners, design.border.tip_margin_mm, holes)
     if len(too_long) and design.border.overhang == "refuse":
-        x, y = centres[star[too_long[0]]]
-        raise DesignError(
-            "border.overhang",
-            f"lets no arm leave the sheet (keeping {design.border.tip_margin_mm:g} mm), but one of star "
-            f"{star[too_long[0]]} at [{x:.2f}, {y:.2f}] does",
-            design.border.overhang,
-            stars=[star[too_long[0]]],
-            place_mm=(x, y),
-        )
+        first, kept = star[too_long[0]], f"(keeping {design.border.tip_margin_mm:g} mm)"
+        at = centres[first]
+        problem = f"lets no arm leave the sheet {kept}, but one of star {first} at {shown_place(at)} does"
+        raise DesignError("border.overhang", problem, design.border.overhang, stars=[first], place_mm=at)
     part = np.linalg.norm(tips - centres[star], axis=1) / np.linalg.norm(full - centres[star], axis=1)
     thickness, width = (
         np.column_stack([a, a + part * (b - a)]) for a, b in (sizes_at_ends.T for sizes_at_ends in (thickness, width))
@@ -220,7 +215,7 @@ def _check_beside(stars: RodGraph, drawn: RodGraph) -> None:
     """Refuse arms of stars nearer to drawn rods than half the sum of their widths."""
     for arm, rod, gap in close_rods(stars, drawn):
         place = place_between(arm, rod)
-        at, centre = (f"[{x:.2f}, {y:.2f}]" for x, y in (place, arm.points[0]))
+        at, centre = shown_place(place), shown_place(arm.points[0])
         what = "crosses" if gap == 0.0 else f"is {gap:.2f} mm from"
         problem = f"an arm of the star at {centre} {what} {rod.name} at {at}: shorten it, remove the star, or move"
         raise DesignError("stars", f"{problem} the line", stars=[arm.group], place_mm=place)
@@ -277,8 +272,5 @@ def check_mesh_size(edge: float, corners: Floats) -> None:
     vertices = mesh_vertices(edge, corners)
     if vertices > MAX_VERTICES:
         allowed = np.ceil(100 * edge * np.sqrt(vertices / MAX_VERTICES)) / 100
-        raise DesignError(
-            "mesh.edge_mm",
-            f"makes about {vertices:.0f} vertices, at most {MAX_VERTICES} are allowed: use {allowed:g} or more",
-            edge,
-        )
+        many = f"makes about {vertices:.0f} vertices, at most {MAX_VERTICES} are allowed"
+        raise DesignError("mesh.edge_mm", f"{many}: use {allowed:g} or more", edge)

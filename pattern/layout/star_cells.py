@@ -15,7 +15,7 @@ from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.design.section import FACES
 from asterism.pattern.design.sizing.profiles import sample
 from asterism.pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM, Override, Site, Stars
-from asterism.pattern.geometry.planar import polygon_area
+from asterism.pattern.geometry.planar import polygon_area, shown_place
 
 _SIGN = {"up": 1, "down": -1, "free": 0}
 MAX_STARS_OF_DESIGN = 5000
@@ -256,9 +256,9 @@ def _check(
     refused = np.flatnonzero(~allowed.all(axis=tuple(range(1, allowed.ndim))))
     if len(refused) == 0:
         return
-    star, (x, y) = refused[0], centres[refused[0]]
+    star, place = refused[0], centres[refused[0]]
     value = float(values[star][~allowed[star]].flat[0])
     number = star if numbers is None else numbers[star]
-    allowed_range = f"must be from {low:g} to {high:.6g} at star {number} at [{x:.2f}, {y:.2f}]"
+    allowed_range = f"must be from {low:g} to {high:.6g} at star {number} at {shown_place(place)}"
     name = field if isinstance(field, str) else field[star]
-    raise DesignError(name, allowed_range, value, stars=[number], place_mm=(x, y))
+    raise DesignError(name, allowed_range, value, stars=[number], place_mm=place)

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +10,7 @@ from scipy.spatial import cKDTree
 
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.errors import MeshError
-from asterism.pattern.geometry.planar import clusters, distance_to_outline, triangle_angles
+from asterism.pattern.geometry.planar import clusters, distance_to_outline, shown_place, triangle_angles
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.aligned_mesh import aligned_mesh
 from asterism.pattern.mesh.graded_mesh import graded_mesh
@@ -68,15 +67,11 @@ POOR_ANGLE_DEG = 25.0
 MIN_DRAWN_ANGLE_DEG = 20.0
 
 
-@dataclass(frozen=True)
-class _Frame:
-    """Lines of the mesh: points (n, 2) mm along the outline, and the length (mm) of the segments of rods, then holes.
+class _Frame(NamedTuple):
+    """Lines of the mesh. Where rods run along the outline or a hole, the rods have the points."""
 
-    Where rods run along the outline or a hole, the rods have the points.
-    """
-
-    outline: Floats
-    step: Floats
+    outline: Floats  # (n, 2) mm, points along the outline
+    step: Floats  # mm, length of the segments of rods, then of holes
 
 
 def delaunay_mesh(layout: Layout, edge_mm: float, seed: int = 0, draft: bool = False) -> Mesh:
@@ -116,8 +111,8 @@ def delaunay_mesh(layout: Layout, edge_mm: float, seed: int = 0, draft: bool = F
     assert best is not None
     if layout.drawn is not None and not draft and best_angle < MIN_DRAWN_ANGLE_DEG:
         flattest = best.triangles[triangle_angles(best.points, best.triangles).min(axis=1).argmin()]
-        x, y = best.points[flattest].mean(axis=0)
-        close = f"lines are too close together at [{x:.2f}, {y:.2f}] for triangles of {MIN_DRAWN_ANGLE_DEG:g} deg"
+        at = shown_place(best.points[flattest].mean(axis=0))
+        close = f"lines are too close together at {at} for triangles of {MIN_DRAWN_ANGLE_DEG:g} deg"
         raise MeshError(f"rods: {close}: move them apart, or use a shorter mesh.edge_mm")
     return checked(best, layout, 0.0)
 

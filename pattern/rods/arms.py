@@ -6,9 +6,11 @@ from collections.abc import Sequence
 
 import numpy as np
 import shapely
+from numpy.typing import NDArray
 
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.errors import DesignError
+from asterism.pattern.geometry.planar import shown_place
 
 
 def cut(
@@ -36,12 +38,16 @@ def cut(
     return tips, long
 
 
+def parts_within(line: shapely.LineString, room: shapely.Geometry) -> NDArray[np.object_]:
+    """The parts of a line in a room. Where it touches a corner of the room, it is not cut."""
+    parts = shapely.get_parts(shapely.intersection(line, room))
+    lines = parts[shapely.get_type_id(parts) == shapely.GeometryType.LINESTRING]
+    return np.asarray(shapely.get_parts(shapely.line_merge(shapely.multilinestrings(lines))))
+
+
 def _first_exit(arm: shapely.LineString, centre: Floats, inner: shapely.Geometry) -> Floats:
     """End of the stretch of the arm that starts at its centre; the sheet may come back further out."""
-    parts = shapely.get_parts(shapely.intersection(arm, inner))
-    lines = parts[shapely.get_type_id(parts) == shapely.GeometryType.LINESTRING]
-    # where the arm touches a corner it comes in two
-    for part in shapely.get_parts(shapely.line_merge(shapely.multilinestrings(lines))):
+    for part in parts_within(arm, inner):
         ends = shapely.get_coordinates(part)
         distance = np.linalg.norm(ends - centre, axis=1)
         if len(ends) and distance.min() < 1e-9:
@@ -71,13 +77,14 @@ def check_clear(centres: Floats, tips: Floats, star: Ints, width: Floats, meetin
     if len(bad) == 0:
         return
     i, j = first[bad[0]], second[bad[0]]
-    here, there = (f"[{x:.2f}, {y:.2f}]" for x, y in (centres[i], centres[j]))
     apart = f"are {distance[bad[0]]:.3f} mm apart and would print as one"
     what = "overlap" if joined[bad[0]] or distance[bad[0]] == 0 else apart
     # ends closer than this are meant to meet, with a rounded length
     meant = "; length_fraction makes ends meet" if gap[bad[0]].min() < 0.02 else ""
-    message = f"arms of the stars at {here} and {there} {what}; shorten or turn them{meant}"
-    raise DesignError("stars", message, stars=[star[i], star[j]], place_mm=centres[i])
+    both = f"arms of the stars at {shown_place(centres[i])} and {shown_place(centres[j])}"
+    raise DesignError(
+        "stars", f"{both} {what}; shorten or turn them{meant}", stars=[star[i], star[j]], place_mm=centres[i]
+    )
 
 
 def _ends_on(ends: Floats, others: np.ndarray, near: float) -> Ints:

@@ -15,7 +15,7 @@ from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.rods import DrawnLine
 from asterism.pattern.design.section import Point
 from asterism.pattern.geometry.flattening import MAX_PIECE_TURN_RAD, flattened
-from asterism.pattern.geometry.planar import polygon_area
+from asterism.pattern.geometry.planar import polygon_area, shown_place
 
 # points of a spline between two given ones, at which its turn is measured
 SPLINE_SAMPLES = 32
@@ -180,8 +180,3 @@ def _check_gap(name: str, other: str, shape: shapely.Geometry, beside: shapely.G
         place = shapely.get_coordinates(shapely.shortest_line(shape, beside)).mean(axis=0)
         problem = f"must leave {margin_mm:g} mm of fabric beside {other} (border.tip_margin_mm), leaves {gap:.3f} mm"
         raise DesignError(name, f"{problem} at {shown_place(place)}", place_mm=place)
-
-
-def shown_place(place: Floats) -> str:
-    """A place (2,) mm as messages show it."""
-    return f"[{place[0]:.2f}, {place[1]:.2f}]"

@@ -18,8 +18,9 @@ from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.design.rods import DrawnLine, Rods
 from asterism.pattern.design.sizing.profiles import Profile, SizingField, sample
 from asterism.pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM
-from asterism.pattern.geometry.planar import clusters, nearest_segment, polygon_area, turning_angles
-from asterism.pattern.rods.curves import check_holes, hole_rings, polyline, shown_place
+from asterism.pattern.geometry.planar import clusters, nearest_segment, polygon_area, shown_place, turning_angles
+from asterism.pattern.rods.arms import parts_within
+from asterism.pattern.rods.curves import check_holes, hole_rings, polyline
 from asterism.pattern.rods.graph import CORNER_DEG, Rod, RodGraph, apart_by_face, close_rods, place_between
 
 MAX_COPIES = 20_000
@@ -175,15 +176,11 @@ def _on_sheet(drawn: PlacedLine, border: Border, inner: shapely.Polygon | shapel
     line = shapely.LineString(drawn.points)
     outside = shapely.get_coordinates(shapely.difference(line, inner))[0]
     if border.overhang == "refuse":
-        x, y = outside
-        problem = f'{drawn.name} leaves the sheet at [{x:.2f}, {y:.2f}]; overhang = "cut" cuts it there'
+        problem = f'{drawn.name} leaves the sheet at {shown_place(outside)}; overhang = "cut" cuts it there'
         raise DesignError("border.overhang", problem, border.overhang, place_mm=outside)
-    parts = shapely.get_parts(shapely.intersection(line, inner))
-    lines = parts[shapely.get_type_id(parts) == shapely.GeometryType.LINESTRING]
-    merged = shapely.get_parts(shapely.line_merge(shapely.multilinestrings(lines)))
     return [
         PlacedLine(drawn.line, shapely.get_coordinates(part), drawn.name, drawn.group)
-        for part in merged
+        for part in parts_within(line, inner)
         if shapely.length(part) >= MIN_ARM_MM
     ]
 
@@ -212,8 +209,7 @@ def _sizes(
     wrong = ~((values >= limits[0]) & (values <= limits[1]))
     if wrong.any():
         at = int(wrong.argmax())
-        x, y = points[at]
-        problem = f"must be from {limits[0]:g} to {limits[1]:g} along {drawn.name}, as at [{x:.2f}, {y:.2f}]"
+        problem = f"must be from {limits[0]:g} to {limits[1]:g} along {drawn.name}, as at {shown_place(points[at])}"
         raise DesignError(_size_field(drawn.line, key, rods), problem, float(values[at]), place_mm=points[at])
     return values
 
@@ -411,10 +407,11 @@ def _meetings(lines: list[Floats], names: list[str]) -> tuple[list[Floats], list
     for i, j in zip(first[~beside], second[~beside], strict=True):
         place = _meeting(segments[i], segments[j])
         if place is None:
-            x, y = segments[i].mean(axis=0)
             one, other = sorted(names[owner[k]] or "a line" for k in (i, j))
             both = f"two lines named {one}" if one == other else f"{one} and {other}"
-            raise DesignError("rods", f"{both} lie on each other at [{x:.2f}, {y:.2f}]: draw the line once")
+            raise DesignError(
+                "rods", f"{both} lie on each other at {shown_place(segments[i].mean(axis=0))}: draw the line once"
+            )
         for k in (i, j):
             step = segments[k][1] - segments[k][0]
             part = min(max(float((place - segments[k][0]) @ step / (step @ step)), 0.0), 1.0)
