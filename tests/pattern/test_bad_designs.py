@@ -46,7 +46,6 @@ BAD = [
     ([("stars.length_mm", "4 + r / 20")], "stars.length_mm", 'a formula is written { formula = "..." }'),
     ([("stars.length_mm", True)], "stars.length_mm", "number"),
     ([("stars.length_mm", 25)], "stars.length_mm", "from 0 to 17.3205 at star 0"),
-    ([("stars.length_mm", -1)], "stars.length_mm", "from 0"),
     ([("stars.length_mm", float("nan"))], "stars.length_mm", "finite"),
     ([("stars.length_mm", 10**400)], "stars.length_mm", "number"),
     ([("name", 101 * "a")], "name", "at most 100 characters"),
@@ -77,17 +76,11 @@ BAD = [
         "differ",
     ),
     (
-        [("stars.length_mm", {"profile": "table", "distance_mm": [0, 0], "values": [1, 2]})],
-        "stars.length_mm.distance_mm",
-        "increase",
-    ),
-    (
         [("stars.length_mm", {"profile": "table", "distance_mm": [0, 1], "values": [1, 2, 3]})],
         "stars.length_mm.values",
         "2 entries",
     ),
     ([("stars.length_mm", {"formula": "import os"})], "stars.length_mm.formula", "not a formula"),
-    ([("stars.length_mm", {"formula": "q + 1"})], "stars.length_mm.formula", "unknown name q"),
     ([("stars.length_mm", {"formula": "1/x"})], "stars.length_mm", "inf"),
     (
         [("stars.length_mm", {"image": "none.png", "low": 1, "high": 2, "extent_mm": [9, 9]})],
@@ -127,16 +120,7 @@ BAD = [
     ([("border", {"polygon_mm": [[0, 0], [90, 0], [0, 90], [0, 0]]})], "border.polygon_mm", "repeat"),
     ([("border", {"polygon_mm": [[0, 0], [90, 0], [180, 0]]})], "border.polygon_mm", "lie on one line"),
     ([("border", {"polygon_mm": [[0, 0], [90, 90], [90, 0], [0, 90]]})], "border.polygon_mm", "at [45.000, 45.000]"),
-    (
-        [("border", thin(150.0))],
-        "border.polygon_mm",
-        "spike or slit at [90, 40]",
-    ),
-    (
-        [("border", thin(30.0))],
-        "border.polygon_mm",
-        "spike or slit at [90, 40]",
-    ),
+    *(([("border", thin(tip))], "border.polygon_mm", "spike or slit at [90, 40]") for tip in (150.0, 30.0)),
     ([("plastic.modulus_mpa", 3000)], "plastic.modulus_mpa", "use modulus_ratio"),
     ([("border", {"polygon_mm": [[0, 0], [90, 0], [0, 9e9]]})], "border.polygon_mm", "within 5000"),
     ([("border", {"polygon_mm": [[0, 0], [90, 0], [0, float("inf")]]})], "border.polygon_mm[2][1]", "finite"),
@@ -155,9 +139,7 @@ BAD = [
         "beyond the opposite corners",
     ),
     ([("border", {"spline_mm": [[0, 0], [90, 0]]})], "border.spline_mm", "at least 3"),
-    ([("border", {"spline_mm": [[0, 0], [90, 0], [0, 9e9]]})], "border.spline_mm", "within 5000"),
     ([("border", {"spline_mm": [[0, 0], [90, 0], [180, 0]]})], "border.spline_mm", "lie on one line"),
-    ([("border", {"spline_mm": [[0, 0], [90, 0], [0, 90], [0, 0]]})], "border.spline_mm", "repeat"),
     ([("border", {"spline_mm": [[0, 0], [90, 90], [90, 0], [0, 90]]})], "border.spline_mm", "at [45.000, 45.000]"),
     ([("border", {"circle_mm": {"radius": [50, 30], "turn_deg": 400}})], "border.circle_mm.turn_deg", "at most 360"),
     ([("border", {"circle_mm": {"radius": [5010, 3000], "turn_deg": 1}})], "border.circle_mm", "within 5000"),
@@ -210,7 +192,6 @@ BAD = [
     ([("stars.poisson", 0.3)], "stars.poisson", "it belongs in [fabric] or in [plastic]"),
     ([("stretch", 1.3)], "stretch", "it belongs in [fabric]"),
     ([("mesh.name", "roof")], "mesh.name", "it belongs at the top, before all tables"),
-    ([("stars.length_mm", "5 + x")], "stars.length_mm", "a table with a profile, a formula or an image"),
 ]
 
 

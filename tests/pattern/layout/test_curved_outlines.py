@@ -82,6 +82,7 @@ def test_ellipses_are_turned_alike_as_outline_hole_and_rod(turn: float) -> None:
         x, y = ((ring - circle["centre"]) @ [[c, -s], [s, c]] / [70.0, 40.0]).T
         np.testing.assert_allclose(np.hypot(x, y), 1.0)
         count = len(ring)
+        assert 70.0 * (1.0 - np.cos(np.pi / count)) < CURVE_MM
         area = 0.5 * count * np.sin(2.0 * np.pi / count) * 70.0 * 40.0
         assert abs(polygon_area(ring)) == pytest.approx(area)
 

@@ -15,7 +15,7 @@ from asterism.pattern.layout.build import layout as layout_of
 from asterism.pattern.mesh.graded_mesh import GRADED_EDGE_FACTOR, MIN_GRADED_ANGLE_DEG, MIN_KEPT_ANGLE, Grading
 from asterism.pattern.mesh.meshing import mesh_layout
 from tests.pattern.layouts import L_SHAPE, RECTANGLE, ROUND, SIX, SLANTED, THREE, D, pin, rings, stars_on, unit
-from tests.pattern.mesh_rules import obey, same_after, smallest_angle
+from tests.pattern.mesh_rules import obey, smallest_angle
 
 TRIANGLE = np.array([[-60, -40], [60, -35], [5, 60]], dtype=float)
 T_SHAPE = np.array([[-60, 10], [-20, 10], [-20, -50], [20, -50], [20, 10], [60, 10], [60, 45], [-60, 45]], dtype=float)
@@ -34,6 +34,7 @@ def heights(mesh):
 def sound(sheet, edge, kind="auto"):
     """The even mesh of a sheet and the graded one, which has the same triangles, of which none is flat."""
     even, mesh = (mesh_layout(sheet, edge, kind, graded=graded) for graded in (False, True))
+    obey(sheet, even)
     obey(sheet, mesh)
     assert np.array_equal(mesh.triangles, even.triangles)
     before, after = (triangle_angles(each.points, each.triangles).min(axis=1) for each in (even, mesh))
@@ -106,13 +107,6 @@ def test_drawn_rods_crowd_at_free_ends_only():
         assert steps[free] < 0.7 * steps[-1 - free]
 
 
-def test_symmetric():
-    mesh = mesh_layout(rings(2, 10.0), 2.0, graded=True)
-    turn = np.array([unit(120.0), unit(210.0)])
-    assert same_after(mesh, mesh.points @ turn)
-    assert same_after(mesh, mesh.points * [-1, 1])
-
-
 def test_vertices_crowd_at_the_tip():
     grading = Grading.of(rings(1, 10.0))
     steps = np.diff(grading.along(10.0, 40)) * 10.0
@@ -125,7 +119,7 @@ def test_vertices_crowd_at_the_tip():
 @settings(max_examples=10)
 @given(st.data())
 def test_any_polygon(data):
-    """Wherever there is an even mesh, there is a graded one."""
+    """Star-shaped outlines with stars of any length and direction: sound meshes, or one line that says why not."""
     radii = data.draw(st.lists(st.floats(20, 60), min_size=3, max_size=12))
     border = np.array(radii)[:, None] * unit([360.0 * q / len(radii) for q in range(len(radii))])
     directions = data.draw(st.sampled_from([THREE, SIX, (5.0, 95.0, 185.0, 275.0)]))

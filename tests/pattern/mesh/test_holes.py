@@ -114,26 +114,6 @@ def test_bad_holes_are_refused_with_their_place(holes: list[dict[str, Any]], mes
         layout(design(*holes))
 
 
-def test_an_ellipse_is_a_hole_and_an_outline() -> None:
-    ellipse = {"centre": [2.0, 1.0], "radius": [40.0, 25.0]}
-    border = {"circle_mm": ellipse, "holes": [{"circle_mm": {"centre": [2.0, 1.0], "radius": [6.0, 4.0]}}]}
-    one = Design.from_dict(
-        {"stars": {"length_mm": 8.0}, "border": border, "pins": [{"where": "border", "scale": 0.74}]}
-    )
-    plan = layout(one)
-    for ring, axes, curve_mm in ((plan.outline, (40.0, 25.0), 0.1), (plan.holes[0], (6.0, 4.0), 0.005)):
-        assert np.allclose(np.linalg.norm((ring - [2.0, 1.0]) / axes, axis=1), 1.0)
-        middles = (ring + np.roll(ring, -1, axis=0)) / 2
-        assert (1 - np.linalg.norm((middles - [2.0, 1.0]) / axes, axis=1)).max() * max(axes) <= curve_mm * (1 + 1e-6)
-    assert area(plan) == pytest.approx(np.pi * (40 * 25 - 6 * 4), rel=4e-3)
-    assert len(plan.supported_edges) == len(plan.outline) == 48
-    mesh = mesh_layout(plan, 2.0)
-    assert triangle_angles(mesh.points, mesh.triangles).min() > 20.0
-    assert Design.from_dict(one.to_dict()) == one
-    with pytest.raises(DesignError, match=r"border.circle_mm = .*: must be within 5000 mm"):
-        Design.from_dict({**one.to_dict(), "border": {"circle_mm": {"centre": [4990, 0], "radius": 40}}})
-
-
 @pytest.mark.parametrize("place", [(6.1, 10.0), (5.9, 10.0), (-4.243, 14.243), (0.0, 16.1)])
 def test_pins_beside_the_edge_of_a_hole_are_moved_onto_it(place: tuple[float, float]) -> None:
     plan = layout(design(ROUND, pins=[{"points_mm": [place, (-30, -30), (30, -30)]}]))

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
-from hypothesis import strategies as st
 
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.planar import polygon_area
@@ -20,7 +18,6 @@ from tests.pattern.layouts import (
     layout,
     pin,
     rings,
-    stars_on,
     unit,
 )
 from tests.pattern.mesh_rules import even_rods, obey, smallest_angle
@@ -157,22 +154,3 @@ def test_pins():
     obey(sheet, mesh)
     assert mesh.pin_vertices[0][2] in np.concatenate(mesh.rods)
     assert smallest_angle(mesh) > 20
-
-
-@pytest.mark.slow
-@settings(max_examples=12)
-@given(st.data())
-def test_any_polygon(data):
-    """Star-shaped outlines with stars of any length and direction: a sound mesh, or one line that says why not."""
-    radii = data.draw(st.lists(st.floats(20, 60), min_size=3, max_size=12))
-    border = np.array(radii)[:, None] * unit([360.0 * q / len(radii) for q in range(len(radii))])
-    length = data.draw(st.floats(0.5, 16))
-    directions = data.draw(st.sampled_from([(0.0, 120.0, 240.0), (-90.0, 30.0, 150.0), (5.0, 95.0, 185.0, 275.0)]))
-    sheet = stars_on(border, length, directions)
-    assume(len(sheet.centres))
-    try:
-        mesh = delaunay_mesh(sheet, data.draw(st.floats(1.0, 8.0)))
-    except MeshError:
-        return
-    obey(sheet, mesh)
-    assert even_rods(mesh)
