@@ -13,6 +13,7 @@ from asterism.discrete.model.discrete_model import bump_heights
 from asterism.discrete.model.state import State, edge_tangents, moved_state, orthonormal_to_tangents
 from asterism.equilibrium.arrays import Array
 from asterism.equilibrium.newton.minimise import Minimum, minimise
+from asterism.homogenize.cell.periodic_mesh import CELLS_AROUND
 from asterism.homogenize.cell.unit_cell import ANCHOR, UnitCell
 from asterism.pattern.design.lattice import DEFAULT_SPACING_MM
 
@@ -131,7 +132,7 @@ def flat_cell_from_minimum(cell: UnitCell, minimum: Minimum, iterations: int) ->
 def with_bumps(cell: UnitCell, state: State, height: float) -> State:
     """The flat print with a smooth bump of this height (mm) at every star."""
     base, stars = cell.printed[: cell.mesh.n_base], cell.printed[cell.mesh.star_vertices]
-    steps = np.array([[i, j] for i in (-1, 0, 1) for j in (-1, 0, 1)]) @ cell.cell_vectors
+    steps = CELLS_AROUND @ cell.cell_vectors
     centres = (stars[:, None] + steps).reshape(-1, 2)
     distance = np.linalg.norm(base[:, None] - centres, axis=2).min(axis=1)
     positions = state.positions.copy()

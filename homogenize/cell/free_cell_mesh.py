@@ -23,7 +23,7 @@ from asterism.homogenize.cell.conforming_triangulation import (
     nearest_image,
 )
 from asterism.homogenize.cell.periodic_mesh import TOUCHING_TOLERANCE, MeshPath, PeriodicMesh, Tiles
-from asterism.homogenize.cell.point_group import POINT_GROUP_TOLERANCE, MirrorLine, mirror_lines
+from asterism.homogenize.cell.point_group import NEIGHBOUR_STEPS, POINT_GROUP_TOLERANCE, MirrorLine, mirror_lines
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.planar import distance_to_segment
 from asterism.pattern.mesh.outline_points import least_pieces
@@ -31,8 +31,6 @@ from asterism.pattern.mesh.outline_points import least_pieces
 if TYPE_CHECKING:
     from asterism.pattern.rods.motif_graph import MotifGraph
 
-# stars whose arms, up to the spacing long, may come close, as numbers of lattice vectors
-NEIGHBOUR_STEPS = np.array([[i, j] for i in range(-3, 4) for j in range(-3, 4) if (i, j) != (0, 0)])
 # steps along an arm, for the distance to others; half as many along a rod or a piece of a line
 _FINE = 256
 # distance of the first point beside a star's centre from the nearest arm, over the edge length
@@ -46,9 +44,9 @@ def free_cell_mesh(
     directions: Floats,
     length: float,
     edge_mm: float,
-    repeat: tuple[int, int] = (1, 1),
-    surrounded: bool = False,
-    group: Floats | None = None,
+    repeat: tuple[int, int],
+    surrounded: bool,
+    group: Floats,
 ) -> PeriodicMesh:
     """Mesh of `repeat` cells with equal stars: the mesh of one cell, repeated.
 
@@ -61,13 +59,12 @@ def free_cell_mesh(
     length : mm, of every arm, at most the spacing. Tips may meet; other parts of different stars keep a distance.
     edge_mm : about, of the mesh; edges are shorter where arms of different stars come close.
     surrounded : the mesh includes the triangles around, whose points are then unfolded too.
-    group : (G, 2, 2) rotations and reflections of star and lattice, whose symmetry the mesh has; none by default.
+    group : (G, 2, 2) rotations and reflections of star and lattice, whose symmetry the mesh has.
     """
     vectors = np.asarray(lattice_vectors, dtype=float)
     edge_mm = min(edge_mm, float(np.linalg.norm(vectors, axis=1).min()) / 3.0)
     frame, arms = _frame(vectors, directions, length, edge_mm)
-    if group is not None:
-        frame = _with_symmetry(frame, group, _nearby_arms(frame, directions, length), edge_mm)
+    frame = _with_symmetry(frame, group, _nearby_arms(frame, directions, length), edge_mm)
     return Tiles(conforming_triangulation(frame, edge_mm), repeat).mesh(arms, surrounded, of_stars=True)
 
 

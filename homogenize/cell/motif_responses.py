@@ -22,7 +22,7 @@ from asterism.homogenize.cell.linear_response import flat_membrane_stiffness
 from asterism.homogenize.cell.natural_curvature import MAX_SEARCHED_CURL, trace_tubes
 from asterism.homogenize.cell.point_group import ALL_ANGLES_RAD
 from asterism.homogenize.cell.unit_cell import UnitCell
-from asterism.homogenize.law.anisotropy import mean_q12
+from asterism.homogenize.law.anisotropy import isotropic_constants
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.files import plain
 from asterism.pattern.rods.motif_graph import motif_graph
@@ -123,10 +123,8 @@ class MotifResponses:
 def motif_responses(design: Design, edge_mm: float) -> MotifResponses:
     """Solve the unit cell of a design's motif, flat and rolled in several directions, and compare it with 2 x 2 cells.
 
-    Raises `ValueError`, `DesignError` or `MeshError` as `UnitCell` does. Raises `ArithmeticError` if the flat cell has
-    no equilibrium.
-
-    `edge_mm`: of the mesh.
+    The mesh has edges of `edge_mm`. Raises `ValueError`, `DesignError` or `MeshError` as `UnitCell` does. Raises
+    `ArithmeticError` if the flat cell has no equilibrium.
     """
     directions: list[RolledDirection] = []
     failed: list[tuple[float, str]] = []
@@ -167,7 +165,8 @@ def completed_by_rods(stiffness: Floats, rods: Floats) -> Floats:
            [ 0. , 14.7,  0. ],
            [ 0. ,  0. ,  8.9]])
     """
-    return np.asarray(stiffness + (mean_q12(rods) - mean_q12(stiffness)) * GAUSSIAN)
+    known, wanted = (isotropic_constants(each)[1] for each in (stiffness, rods))
+    return np.asarray(stiffness + (wanted - known) * GAUSSIAN)
 
 
 def rod_bending(design: Design, deformation: Floats) -> Floats:

@@ -47,33 +47,28 @@ class Tiles:
         self._triangles = triangles
         self._cells = np.array([[i, j] for i in range(repeat[0]) for j in range(repeat[1])])
         self._repeat = np.array(repeat)
-        self._number = ImageNumbering(len(self._cells) * len(triangles.points))
 
     def _all(self, point: Ints, image: Ints) -> Ints:
-        """(n m E, k) unfolded points of points (E, k) with images (E, k, 2), in every cell."""
+        """(n m E, k, 3) base point and image of points (E, k) with images (E, k, 2), in every cell."""
         where = self._cells[:, None, None] + image
         away, home = where // self._repeat, where % self._repeat
         base = (home[..., 0] * self._repeat[1] + home[..., 1]) * len(self._triangles.points) + point
-        return self._number(base.ravel(), *away.reshape(-1, 2).T).reshape(-1, point.shape[1])
+        return np.concatenate([base[..., None], away], axis=-1).reshape(-1, point.shape[1], 3)
 
     def mesh(self, paths: list[MeshPath], surrounded: bool, of_stars: bool) -> PeriodicMesh:
         """The whole mesh, with these arms on every star, or these rods in every cell; stars are at point 0."""
         mesh = self._triangles
-        stars: Ints = np.empty(0, dtype=np.int64)
-        if of_stars:
-            stars = self._all(np.zeros((1, 1), dtype=np.int64), np.zeros((1, 1, 2), dtype=np.int64))[:, 0]
-        triangles = self._all(mesh.corner, mesh.image)
         point, image = _pairs(mesh)
         # a hinge from either side is the same: that whose edge has the lower name
         there, back = mesh.edges()
         once = there < back
         from_base = image - image[:, :1]
-        hinges = self._all(point[once], from_base[once])
-        rods = [self._all(path.point[None], path.image[None]) for path in paths]
-        around: Ints = np.empty((0, 3), dtype=np.int64)
-        if surrounded:
-            around = new_triangles(self._all(*_touching(mesh)), triangles)
-        base, away = self._number.unfolded()
+        star = np.zeros((int(of_stars), 1), dtype=np.int64)
+        parts = [(star, np.zeros((*star.shape, 2), dtype=np.int64)), (mesh.corner, mesh.image)]
+        parts += [(point[once], from_base[once]), *((path.point[None], path.image[None]) for path in paths)]
+        parts.append(_touching(mesh) if surrounded else (mesh.corner[:0], mesh.image[:0]))
+        n_base = len(self._cells) * len(mesh.points)
+        (stars, triangles, hinges, *rods, beside), base, away = _numbered([self._all(*each) for each in parts], n_base)
         cell = mesh.vectors * self._repeat[:, None]
         tiled = (mesh.points + (self._cells @ mesh.vectors)[:, None]).reshape(-1, 2)
         return PeriodicMesh(
@@ -81,13 +76,13 @@ class Tiles:
             base=base,
             image=away,
             triangles=triangles,
-            around=around,
+            around=new_triangles(beside, triangles),
             hinges=hinges,
             rods=tuple(rod for of_cell in zip(*rods, strict=True) for rod in of_cell),
             arm_star=np.repeat(np.arange(len(stars)), len(paths)),
-            star_vertices=stars,
+            star_vertices=stars[:, 0],
             cell_vectors=cell,
-            n_base=len(tiled),
+            n_base=n_base,
         )
 
 
@@ -141,30 +136,22 @@ class PeriodicMesh:
         return float(abs(a * d - b * c))
 
 
-class ImageNumbering:
-    """Numbers of the points that the elements of a periodic mesh use."""
+def _numbered(parts: list[Ints], n_base: int) -> tuple[list[Ints], Ints, Ints]:
+    """Numbers of points that are given by base point and image (E, k, 3), part by part, and both by the number.
 
-    def __init__(self, n_base: int) -> None:
-        self._n_base = n_base
-        self._images: dict[tuple[int, int, int], int] = {}
-
-    def __call__(self, point: Ints, first: Ints, second: Ints) -> Ints:
-        """(N,) numbers of the images of base points (N,), so many cell vectors A1 and A2 away."""
-        out = np.empty(len(point), dtype=np.int64)
-        for place, (p, a, b) in enumerate(zip(point, first, second, strict=True)):
-            if a == 0 and b == 0:
-                out[place] = p
-            else:
-                key = (int(p), int(a), int(b))
-                out[place] = self._images.setdefault(key, self._n_base + len(self._images))
-        return out
-
-    def unfolded(self) -> tuple[Ints, Ints]:
-        """Base point (U,) and image (U, 2) of all numbered points."""
-        own = np.arange(self._n_base)
-        images = np.array(list(self._images), dtype=np.int64).reshape(-1, 3)
-        base = np.concatenate([own, images[:, 0]])
-        return base, np.concatenate([np.zeros((len(own), 2), dtype=np.int64), images[:, 1:]])
+    The base points come first, then the images in the order in which the parts use them.
+    """
+    every = np.concatenate([part.reshape(-1, 3) for part in parts])
+    is_image = every[:, 1:].any(axis=1)
+    images, first, which = np.unique(every[is_image], axis=0, return_index=True, return_inverse=True)
+    order = np.argsort(first)
+    number = every[:, 0].copy()
+    number[is_image] = n_base + np.argsort(order)[which.ravel()]
+    base = np.concatenate([np.arange(n_base), images[order, 0]])
+    away = np.pad(images[order, 1:], ((n_base, 0), (0, 0)))
+    ends = np.cumsum([part.shape[0] * part.shape[1] for part in parts])[:-1]
+    split = [own.reshape(part.shape[:2]) for own, part in zip(np.split(number, ends), parts, strict=True)]
+    return split, base, away
 
 
 def new_triangles(some: Ints, known: Ints) -> Ints:
@@ -231,9 +218,7 @@ class PeriodicTriangles:
         return np.asarray(((a * len(self.points) + b) * 9 + step[..., 0] + 4) * 9 + step[..., 1] + 4)
 
 
-def periodic_delaunay(
-    points: Floats, vectors: Floats, edge_mm: float, group: Floats | None = None
-) -> PeriodicTriangles:
+def periodic_delaunay(points: Floats, vectors: Floats, edge_mm: float, group: Floats) -> PeriodicTriangles:
     """Delaunay triangles of the points (N, 2) of one cell; N is at least 3.
 
     Of several Delaunay triangulations the result depends on the numbers of the points only. With a point group of more
@@ -241,7 +226,7 @@ def periodic_delaunay(
     several edges.
     """
     inverse = np.linalg.inv(vectors)
-    if group is None or len(group) == 1:
+    if len(group) == 1:
         tie = TIE_BREAK_RATIO * edge_mm * np.random.default_rng(0).normal(size=points.shape)
     else:
         tie = TIE_BREAK_RATIO * edge_mm * _symmetric_field(points, vectors, group)

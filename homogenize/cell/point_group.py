@@ -50,6 +50,8 @@ def is_threefold(lattice: Lattice) -> bool:
 
 # of unit vectors, and of lattice coordinates
 POINT_GROUP_TOLERANCE = 1e-6
+# stars whose arms, up to the spacing long, may come close, as numbers of lattice vectors
+NEIGHBOUR_STEPS = np.array([[i, j] for i in range(-3, 4) for j in range(-3, 4) if (i, j) != (0, 0)])
 GRADED_OFF_LINES = "cells have graded meshes only if all arms lie on lattice lines and the grid has their symmetry"
 
 
@@ -109,7 +111,7 @@ class MirrorLine:
 
 def mirror_lines(vectors: Floats, group: Floats) -> list[MirrorLine]:
     """All classes of mirror lines of a sheet with these lattice vectors (2, 2) and this point group (G, 2, 2)."""
-    steps = np.array([[i, j] for i in range(-3, 4) for j in range(-3, 4) if (i, j) != (0, 0)]) @ vectors
+    steps = NEIGHBOUR_STEPS @ vectors
     tolerance = POINT_GROUP_TOLERANCE * float(np.linalg.norm(vectors[0]))
     lines = []
     for reflection in group[np.linalg.det(group) < 0.0]:

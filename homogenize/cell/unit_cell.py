@@ -19,9 +19,15 @@ from asterism.equilibrium.arrays import Array, Floats
 from asterism.equilibrium.linear.factor import Factor
 from asterism.equilibrium.linear.sparse_pattern import SparsePattern, independent_dofs
 from asterism.homogenize.cell.aligned_cell_mesh import aligned_cell_mesh
-from asterism.homogenize.cell.free_cell_mesh import NEIGHBOUR_STEPS, free_cell_mesh
+from asterism.homogenize.cell.free_cell_mesh import free_cell_mesh
 from asterism.homogenize.cell.periodic_mesh import TOUCHING_TOLERANCE, PeriodicElements, PeriodicImages, PeriodicMesh
-from asterism.homogenize.cell.point_group import GRADED_OFF_LINES, aligned_lines, arm_directions, point_group
+from asterism.homogenize.cell.point_group import (
+    GRADED_OFF_LINES,
+    NEIGHBOUR_STEPS,
+    aligned_lines,
+    arm_directions,
+    point_group,
+)
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError, MeshError
 from asterism.pattern.geometry.planar import triangle_areas
@@ -106,12 +112,6 @@ class UnitCell(System):
     edge_mm : of the mesh.
     repeat : stars or motifs along A1 and A2.
 
-    Attributes
-    ----------
-    mesh : of the print.
-    curvature : of the tube, 1/mm of the print; None for a flat cell.
-    angle : of the tube, rad.
-
     Notes
     -----
     All nodes of a motif at which rods end are joints with a frame of their own, also those at which one rod goes on as
@@ -121,7 +121,7 @@ class UnitCell(System):
     def __init__(self, design: Design, edge_mm: float, repeat: tuple[int, int] = (1, 1)) -> None:
         self.design = design
         motif, mesh = _motif_and_mesh(design, edge_mm, repeat)
-        self.mesh = _inner_first(mesh)
+        self.mesh = _inner_first(mesh)  # of the print
         self.printed, self.cell_vectors = self.mesh.points, self.mesh.cell_vectors
         self.model = _unfolded_model(design, self.mesh, motif)
         points, face = self.model.joints.vertices, np.ones(len(self.model.joints.vertices), dtype=np.int64)
@@ -130,8 +130,8 @@ class UnitCell(System):
         self._joint_images, self._base_joints = (points, joint), own // 2
         self._known: dict[bool, tuple[Array, Array, SparsePattern]] = {}
         self._factors: dict[bool, Factor] = {}
-        self.curvature: float | None = None
-        self.angle = 0.0
+        self.curvature: float | None = None  # of the tube, 1/mm of the print; None for a flat cell
+        self.angle = 0.0  # of the tube, rad
         self._set_images(self._flat_images())
 
     def _set_images(self, images: PeriodicImages) -> None:

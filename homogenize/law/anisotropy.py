@@ -14,9 +14,9 @@ sheet contracted by lam in all directions),
 with the mean bending stiffness D of the tubes. A tube around the direction n has `psi = D (q c^2/2 - m c)`, with
 `q = Q[n n, n n]` and `m = m[n n]`: its natural curvature is m/q and its gain of energy `D m^2/(2 q)`. A least-squares
 fit gives Q and m, from the natural curvatures and gains of the cells. Tubes determine a symmetric Q up to one number,
-the stiffness against Gaussian curvature: a weight keeps `mean_q12`, the mean of Q12 over all axes, near Poisson's
-ratio. Model, unknowns and starts of the fit are the same in all axes. It starts from the isotropic plate and from the
-linear fit of q and q c, and keeps the lower minimum.
+the stiffness against Gaussian curvature: a weight keeps the mean of Q12 over all axes near Poisson's ratio. Model,
+unknowns and starts of the fit are the same in all axes. It starts from the isotropic plate and from the linear fit of q
+and q c, and keeps the lower minimum.
 """
 
 from __future__ import annotations
@@ -42,10 +42,11 @@ ISOTROPIC_PLATE = isotropic_plane(BENDING_POISSON)
 MIN_BENDING_RATIO = 0.15
 # weight of the distance from the isotropic plate, beside the errors of the tubes
 PLATE_WEIGHT = 0.02
-# weight of the distance of `mean_q12` from Poisson's ratio
+# weight of the distance of the mean of Q12 over all axes from Poisson's ratio
 Q12_WEIGHT = 1.0
-# square root of how often the tensor has each Voigt entry: this norm is the same in all axes
-_NORM = np.sqrt([[1.0, 1.0, 2.0], [1.0, 1.0, 2.0], [2.0, 2.0, 4.0]])
+# square root of how often the tensor has each Voigt entry, which is its entry in an orthonormal basis over the Voigt
+# entry: this norm is the same in all axes
+VOIGT_NORM = np.sqrt([[1.0, 1.0, 2.0], [1.0, 1.0, 2.0], [2.0, 2.0, 4.0]])
 VOIGT_ENTRIES = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))  # of a symmetric Voigt matrix (11, 22, 2 x 12)
 # columns of `sample_anisotropy`
 ANISOTROPY_SIZE = 17
@@ -99,6 +100,8 @@ def sample_anisotropy(sample: dict[str, Any]) -> Floats:
 
 def isotropic_constants(stiffness: Floats) -> tuple[Floats, Floats]:
     """(...) constants A11 and A12 of the isotropic tensor nearest to a Voigt stiffness (..., 3, 3).
+
+    They are the means of the entries 11 and 12 over all axes.
 
     >>> [float(a) for a in isotropic_constants(np.array([[4.0, 1.0, 0.0], [1.0, 4.0, 0.0], [0.0, 0.0, 1.5]]))]
     [4.0, 1.0]
@@ -160,13 +163,13 @@ def _nearest(directions: Floats, curvature: Floats, gain: Floats) -> tuple[Float
     def errors(x: Floats) -> Floats:
         q, m = unpacked(x)
         predicted, gained = natural_curvatures(q, m, directions)
-        from_plate = (PLATE_WEIGHT * _NORM * (q - ISOTROPIC_PLATE)).ravel()
+        from_plate = (PLATE_WEIGHT * VOIGT_NORM * (q - ISOTROPIC_PLATE)).ravel()
         return np.concatenate(
             [
                 (predicted - curvature) / curvature_scale,
                 (gained - gain) / gain_scale,
                 from_plate,
-                [Q12_WEIGHT * (mean_q12(q) - BENDING_POISSON)],
+                [Q12_WEIGHT * (isotropic_constants(q)[1] - BENDING_POISSON)],
             ]
         )
 
@@ -203,22 +206,14 @@ def _linear_fit(directions: Floats, curvature: Floats, gain: Floats, gain_per_sq
     """
     along = _squares(directions)
     pairs = np.array([along[:, i] * along[:, j] * (1.0 if i == j else 2.0) for i, j in VOIGT_ENTRIES]).T
-    entries = np.array([_NORM[i, j] * (1.0 if i == j else np.sqrt(2.0)) for i, j in VOIGT_ENTRIES])
+    entries = np.array([VOIGT_NORM[i, j] * (1.0 if i == j else np.sqrt(2.0)) for i, j in VOIGT_ENTRIES])
     plate = np.array([ISOTROPIC_PLATE[i, j] for i, j in VOIGT_ENTRIES])
-    mean = np.array([mean_q12(voigt_matrices(row)) for row in np.eye(6)])
+    mean = isotropic_constants(voigt_matrices(np.eye(6)))[1]
     rows = np.vstack([curvature[:, None] ** 2 * pairs, PLATE_WEIGHT * np.diag(entries), Q12_WEIGHT * mean])
     doubled = 2.0 * gain * gain_per_square
     wish = np.concatenate([doubled, PLATE_WEIGHT * entries * plate, [Q12_WEIGHT * BENDING_POISSON]])
     q = voigt_matrices(np.linalg.lstsq(rows, wish, rcond=None)[0])
     return q, np.asarray(np.linalg.lstsq(curvature[:, None] * along, doubled, rcond=None)[0], dtype=float)
-
-
-def mean_q12(q: Floats) -> Floats:
-    """(...) mean of Q12 over all axes, of Q (..., 3, 3).
-
-    Tubes do not change if Q12 grows by d and Q33 falls by d/2.
-    """
-    return np.asarray((q[..., 0, 0] + q[..., 1, 1] + 6.0 * q[..., 0, 1] - 4.0 * q[..., 2, 2]) / 8.0)
 
 
 def _squares(directions: Floats) -> Floats:

@@ -145,22 +145,13 @@ Table = TypeVar("Table", bound=LawTable)
 
 @dataclass(frozen=True)
 class Law(Generic[Table]):
-    """Tables for one material and pattern, and everything that produced them.
+    """Tables for one material and pattern, and everything that produced them."""
 
-    Attributes
-    ----------
-    plan : what the law is for, and its cells.
-    tables : one for each stretch.
-    samples : all records of the campaign as plain data, in the order of the plan.
-    residuals : errors of the law, see `homogenize.campaign.fit_law`.
-    made : versions, command, machine, seconds.
-    """
-
-    plan: LawPlan
-    tables: tuple[Table, ...]
-    samples: Sequence[dict[str, Any]]
-    residuals: dict[str, Any]
-    made: dict[str, Any] = field(default_factory=dict)
+    plan: LawPlan  # what the law is for, and its cells
+    tables: tuple[Table, ...]  # one for each stretch
+    samples: Sequence[dict[str, Any]]  # all records of the campaign as plain data, in the order of the plan
+    residuals: dict[str, Any]  # errors of the law, see `homogenize.campaign.fit_law`
+    made: dict[str, Any] = field(default_factory=dict)  # versions, command, machine, seconds
 
     @property
     def edge_mm(self) -> float:

@@ -102,8 +102,6 @@ class Material(Section):
 
     @model_validator(mode="after")
     def _fits(self, info: ValidationInfo) -> Self:
-        if not self.name.isprintable():
-            raise DesignError("name", "must be one line of printable characters", self.name)
         if not isinstance(self.fabric.stretch, float | int):
             raise DesignError("fabric.stretch", "must be one number: unit cells have equal stretch in x and y")
         if self.plan.stretches is not None and "stretch" in self.fabric.model_fields_set:

@@ -16,15 +16,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
-from asterism.homogenize.law.anisotropy import VOIGT_ENTRIES, voigt_matrices
+from asterism.homogenize.law.anisotropy import VOIGT_ENTRIES, VOIGT_NORM, voigt_matrices
 
 # of a row of stored forms
 METRIC, MEMBRANE, BENDING, MOMENT = slice(0, 3), slice(3, 9), slice(9, 15), slice(15, 18)
 STORED_SIZE = 18
 # Voigt vector (11, 22, 2 x 12) of a curvature with the components 11, 22, 12
 TO_VOIGT = np.array([1.0, 1.0, 2.0])
-# entries of a stiffness in the orthonormal basis, over its Voigt entries
-_KELVIN = np.sqrt([[1.0, 1.0, 2.0], [1.0, 1.0, 2.0], [2.0, 2.0, 4.0]])
 
 
 @dataclass(frozen=True)
@@ -48,7 +46,7 @@ def stored_tensors(tensors: SheetTensors) -> Floats:
     moment = np.einsum("nij,nj->ni", bending, tensors.curvature * TO_VOIGT)
     parts = [_plane_entries(_of_eigenvalues(np.log, plane_matrix(tensors.metric)))]
     for each in (membrane, bending):
-        logarithm = _of_eigenvalues(np.log, each * _KELVIN)
+        logarithm = _of_eigenvalues(np.log, each * VOIGT_NORM)
         parts.append(np.stack([logarithm[..., i, j] for i, j in VOIGT_ENTRIES], axis=-1))
     return np.hstack([*parts, moment])
 
@@ -57,7 +55,7 @@ def tensors_of_stored(stored: Floats) -> SheetTensors:
     """The tensors of stored forms (n, 18)."""
     stiffness = np.zeros((len(stored), 6, 6))
     for part, where in ((MEMBRANE, slice(0, 3)), (BENDING, slice(3, 6))):
-        stiffness[:, where, where] = _of_eigenvalues(np.exp, voigt_matrices(stored[:, part])) / _KELVIN
+        stiffness[:, where, where] = _of_eigenvalues(np.exp, voigt_matrices(stored[:, part])) / VOIGT_NORM
     voigt = np.linalg.solve(stiffness[:, 3:, 3:], stored[:, MOMENT, None])[..., 0]
     metric = _plane_entries(_of_eigenvalues(np.exp, plane_matrix(stored[:, METRIC])))
     return SheetTensors(metric, stiffness, voigt / TO_VOIGT)

@@ -44,15 +44,10 @@ class EffectiveStiffness:
     """Linear response of the flat relaxed cell, per printed area, in print coordinates.
 
     `W = M . K + 1/2 E . A E + E . B K + 1/2 K . D K`, with the Voigt vectors E of the strain and K of the curvature.
-
-    Attributes
-    ----------
-    stiffness : (6, 6) `[A B; B^T D]`; A in N/mm, B in N, D in N mm.
-    moment : (3,) N, M.
     """
 
-    stiffness: Array
-    moment: Array
+    stiffness: Array  # (6, 6) `[A B; B^T D]`; A in N/mm, B in N, D in N mm
+    moment: Array  # (3,) N, M
 
     @property
     def rest_curvature(self) -> Array:

@@ -55,16 +55,10 @@ def reduction_matrix(images: PeriodicImages, signs: Array, n_twists: int, turned
 
 @dataclass(frozen=True)
 class CellStability:
-    """Smallest eigenvalues of the Hessian in (mm, rad) coordinates, N/mm.
+    """Smallest eigenvalues of the Hessian in (mm, rad) coordinates, N/mm."""
 
-    Attributes
-    ----------
-    cell : of displacements that repeat from cell to cell.
-    supercell : of all displacements of 2 x 2 stars.
-    """
-
-    cell: float
-    supercell: float
+    cell: float  # of displacements that repeat from cell to cell
+    supercell: float  # of all displacements of 2 x 2 stars
 
 
 def cell_stability(cell: UnitCell, state: State) -> CellStability:

@@ -21,8 +21,6 @@ def test_it_is_of_the_plan_that_comes_with_it(law: StarLaw) -> None:
     assert law.made["command"] == "asterism calibrate"
     assert {"asterism", "numpy", "scipy"} <= set(law.made["versions"]) and law.made["machine"]["cores"] > 0
     assert law.made["cell_seconds"] > 0.0
-    for table in law.tables:
-        assert [(axis[0], axis[-1]) for axis in table.plan.axis_nodes] == [(0.0, 13.0), (0.2, 0.6), (0.8, 1.6)]
 
 
 @pytest.mark.parametrize("stretch", ["1.35", "1.75"])

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.spatial.transform import Rotation
 
 from asterism.homogenize.cell.corrugation_waves import CorrugationWaves
 from asterism.homogenize.cell.flat_cell import relax_flat_cell
@@ -21,6 +20,7 @@ from asterism.homogenize.cell.unit_cell import UnitCell
 from asterism.homogenize.law.anisotropy import isotropic_constants
 from asterism.pattern.design.lattice import Lattice
 from tests.homogenize.cells import EDGE, MOTIFS, design, relaxed
+from tests.homogenize.law.test_anisotropy import turned
 from tests.homogenize.linear_cell import effective_stiffness
 from tests.homogenize.motifs import motif_design
 
@@ -51,7 +51,7 @@ def test_membrane_of_a_tube_says_what_a_dead_pull_does() -> None:
     compliance, where F takes the print to the tube laid flat, which is sheared."""
     cell, flat = relaxed(10.0, 0.4)
     tube = roll_cell(cell, unrolled_flat_cell(flat, 0.2), 0.04, 0.2)
-    turn = _turned_strains(cell.turn)  # in the tube's axes of those in the print's
+    turn = turned(cell.angle)  # in the tube's axes of those in the print's
     compliance = turn @ np.linalg.inv(tube_membrane_stiffness(cell, tube)) @ turn.T
     n, pull = cell.mesh.n_base, 1e-3
     slopes = cell.turn @ np.linalg.inv(cell.cell_vectors)
@@ -75,12 +75,6 @@ def test_membrane_of_a_tube_says_what_a_dead_pull_does() -> None:
 
 def _strain(form: np.ndarray) -> list[float]:
     return [form[0, 0], form[1, 1], 2.0 * form[0, 1]]
-
-
-def _turned_strains(turn: np.ndarray) -> np.ndarray:
-    """(3, 3) Voigt strains after a turn (2, 2) of those before."""
-    forms = ([[1, 0], [0, 0]], [[0, 0], [0, 1]], [[0, 0.5], [0.5, 0]])
-    return np.array([_strain(turn @ form @ turn.T) for form in forms]).T
 
 
 @given(st.lists(st.floats(-2.0, 2.0), min_size=12, max_size=12), st.integers(0, 5))
@@ -138,5 +132,5 @@ def test_the_nearest_isotropic_tensor() -> None:
     stiffer = plane + np.diag([1.0, 0.0, 0.0])
     assert isotropic_constants(stiffer) == pytest.approx((3.375, 1.125))
     # they do not depend on the axes; strains turn as forms do
-    turn = _turned_strains(Rotation.from_euler("z", 0.4).as_matrix()[:2, :2])
+    turn = turned(0.4)
     assert isotropic_constants(turn.T @ stiffer @ turn) == pytest.approx(isotropic_constants(stiffer))

@@ -14,28 +14,12 @@ from tests.test_rooms import package_of
 # of pattern: what solves a cell imports these too, and takes no number from them
 ASIDE = (
     # designs and their files: what they say is among the inputs that a sample is named by
-    *(
-        "design.design",
-        "design.errors",
-        "design.files",
-        "design.section",
-        "design.stars",
-    ),
+    *("design.design", "design.errors", "design.files", "design.section", "design.stars"),
     *("design.material_files", "design.spread"),
     # sizes that vary, outlines, pins and drawings: a cell has none
-    *(
-        "design.border",
-        "design.pins",
-        "design.rods",
-        "design.drawings",
-        "drawing.dxf",
-        "drawing.read",
-        "drawing.records",
-        "drawing.rhino",
-        "drawing.svg",
-        "design.sizing.expression",
-    ),
-    *("design.sizing.grey_image", "design.sizing.profiles"),
+    *("design.border", "design.pins", "design.rods", "design.drawings"),
+    *("drawing.dxf", "drawing.read", "drawing.records", "drawing.rhino", "drawing.svg"),
+    *("design.sizing.expression", "design.sizing.grey_image", "design.sizing.profiles"),
 )
 
 

@@ -62,28 +62,19 @@ def test_plain_data_makes_the_same_material(data: dict) -> None:
 
 BAD = [
     ({"fabrik": {}}, "fabrik", "did you mean fabric?"),
-    ({"plan": {"lengths": [1, 2]}}, "plan.lengths", "did you mean lengths_mm?"),
     ({"plan": {"lengths_mm": [4, 2]}}, "plan.lengths_mm", "increase"),
     ({"plan": {"lengths_mm": [0.5, 2]}}, "plan.lengths_mm", "at least 1"),
-    ({"plan": {"lengths_mm": [-1, 2]}}, "plan.lengths_mm", "at least 1"),
     ({"plan": {"lengths_mm": []}}, "plan.lengths_mm", "at least 1"),
     ({"plan": {"lengths_mm": [0]}}, "plan.lengths_mm", "a length above 0"),
     ({"plan": {"lengths_mm": [4, 30]}}, "plan.lengths_mm", "at most the spacing 17.3205"),
-    ({"plan": {"lengths_mm": ["4", 5]}}, "plan.lengths_mm[0]", "number"),
-    ({"plan": {"thicknesses_mm": []}}, "plan.thicknesses_mm", "at least 1"),
     ({"plan": {"thicknesses_mm": [0.01]}}, "plan.thicknesses_mm", "from 0.05 to 5"),
     ({"plan": {"widths_mm": [11]}}, "plan.widths_mm", "from 0.1 to 10"),
     ({"plan": {"stretches": [0.9]}}, "plan.stretches", "from 1 to 3"),
     ({"plan": {"stretches": [1.35, 1.35001]}}, "plan.stretches", "at least 0.0001 apart"),
-    ({"plan": {"stretches": []}}, "plan.stretches", "at least 1"),
     ({"plan": {"edge_mm": 9}}, "plan.edge_mm", "third of the spacing"),
     ({"plan": {"held_out": -1}}, "plan.held_out", "at least 0"),
-    ({"plan": {"held_out": True}}, "plan.held_out", "whole number"),
-    ({"plan": {"edge_mm": float("nan")}}, "plan.edge_mm", "finite"),
-    ({"plan": 3}, "plan", "table"),
     ({"fabric": {"stretch": [1.3, 1.4]}}, "fabric.stretch", "one number"),
     ({"fabric": {"stretch": 1.3}, "plan": {"stretches": [1.3]}}, "fabric.stretch", "plan.stretches"),
-    ({"plastic": {"modulus_ratio": 0}}, "plastic.modulus_ratio", "at least 1"),
     ({"name": "two\nlines"}, "name", "one line"),
 ]
 

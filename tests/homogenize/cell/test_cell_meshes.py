@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from asterism.homogenize.cell.aligned_cell_mesh import aligned_cell_mesh
-from asterism.homogenize.cell.conforming_triangulation import MIN_CELL_ANGLE_DEG
+from asterism.homogenize.cell.conforming_triangulation import IDENTITY, MIN_CELL_ANGLE_DEG
 from asterism.homogenize.cell.periodic_mesh import PeriodicMesh, periodic_delaunay
 from asterism.homogenize.cell.point_group import aligned_lines
 from asterism.homogenize.cell.unit_cell import cell_mesh
@@ -125,13 +125,13 @@ def test_arms_that_overlap_are_refused() -> None:
 def test_points_with_a_hole_are_refused() -> None:
     corner = np.random.default_rng(1).random((12, 2))
     with pytest.raises(MeshError, match="hole"):
-        periodic_delaunay(corner, 20.0 * np.eye(2), 0.1)
+        periodic_delaunay(corner, 20.0 * np.eye(2), 0.1, IDENTITY)
 
 
 def test_ties_are_decided_alike_in_every_cell() -> None:
     """All four points of every square of a grid lie on one circle."""
     i, j = (index.ravel() for index in np.indices((5, 5)))
-    found = periodic_delaunay(np.column_stack([i, j]) * 1.0, 5.0 * np.eye(2), 1.0)
+    found = periodic_delaunay(np.column_stack([i, j]) * 1.0, 5.0 * np.eye(2), 1.0, IDENTITY)
     assert len(found.corner) == 50
     found.edges()
 

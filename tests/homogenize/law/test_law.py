@@ -54,6 +54,18 @@ def fitted(plan: LawPlan, respond: Any, tasks: list[CellTask] | None = None) -> 
 LAW = law()
 
 
+def spoiled(path: Path, **changes: Any) -> Path:
+    """The file of the law with other arrays."""
+    with np.load(io.BytesIO(law_bytes(LAW))) as archive:
+        arrays = {name: np.array(archive[name]) for name in archive.files}
+    np.savez(path, **arrays | {name: change(arrays[name]) for name, change in changes.items()})
+    return path
+
+
+def packed(data: Any) -> Floats:
+    return np.frombuffer(json.dumps(data).encode(), np.uint8)
+
+
 def design(**changes: Any) -> Design:
     data: dict[str, Any] = {"stars": {"length_mm": 5.0}, "border": {"rings": 1}}
     for place, value in changes.items():
@@ -242,12 +254,6 @@ def test_files_that_are_no_laws(tmp_path: Path, monkeypatch: pytest.MonkeyPatch)
         load_law(path)
     with pytest.raises(LawError, match="cannot be read: No such file"):
         load_law(tmp_path / "none.npz")
-    with np.load(io.BytesIO(law_bytes(LAW))) as archive:
-        gaps = {name: archive[name] for name in archive.files}
-    gaps["0/stored"][3, 2, 1, 0] = np.nan
-    np.savez(path, **gaps)
-    with pytest.raises(LawError, match="damaged"):
-        load_law(path)
     np.savez(path, format=np.array({"a": 1}, dtype=object))
     with pytest.raises(LawError):
         load_law(path)
@@ -282,31 +288,24 @@ def test_a_byte_that_changed_is_told_in_one_line(tmp_path: Path) -> None:
 def test_laws_of_impossible_numbers_are_damaged(number: int, tmp_path: Path) -> None:
     plan = LAW.plan.to_dict()
     plan["sizes"][number]["nodes"][0] = 0.0
-    with np.load(io.BytesIO(law_bytes(LAW))) as archive:
-        arrays = {key: archive[key] for key in archive.files}
-    np.savez(tmp_path / "law.npz", **arrays | {"plan": np.frombuffer(json.dumps(plan).encode(), np.uint8)})
     with pytest.raises(LawError, match="damaged"):
-        load_law(tmp_path / "law.npz")
+        load_law(spoiled(tmp_path / "law.npz", plan=lambda _: packed(plan)))
 
 
 @pytest.mark.parametrize(
     ("name", "changed"),
     [
-        ("made", json.dumps([])),
-        ("residuals", json.dumps({"1.35": {"held_out": {}}})),
+        ("made", lambda _: packed([])),
+        ("residuals", lambda _: packed({"1.35": {"held_out": {}}})),
+        ("0/stored", lambda stored: np.where(np.arange(stored.size).reshape(stored.shape) == 9, np.nan, stored)),
         ("0/solved", lambda solved: solved.astype(float)),
         ("0/stored", lambda stored: stored[..., :-1]),
         ("1/stored", lambda stored: stored[1:]),
     ],
 )
 def test_laws_whose_parts_are_of_different_laws_are_damaged(name: str, changed: Any, tmp_path: Path) -> None:
-    (tmp_path / "law.npz").write_bytes(law_bytes(LAW))
-    with np.load(tmp_path / "law.npz") as archive:
-        arrays = dict(archive)
-    arrays[name] = changed(arrays[name]) if callable(changed) else np.frombuffer(changed.encode(), np.uint8)
-    np.savez(tmp_path / "law.npz", **arrays)
     with pytest.raises(LawError, match="is not a law, or damaged"):
-        load_law(tmp_path / "law.npz")
+        load_law(spoiled(tmp_path / "law.npz", **{name: changed}))
 
 
 def test_stars_turned_by_half_a_turn_have_their_relief_turned() -> None:
@@ -421,13 +420,7 @@ def test_bare_fabric_has_an_answer_where_short_arms_have_none() -> None:
 
 def test_damaged_cells_of_a_law_are_named_when_they_are_read(tmp_path: Path) -> None:
     """They are unpacked at the first access: a preview does without them."""
-    file = tmp_path / "law.npz"
-    file.write_bytes(law_bytes(LAW))
-    with np.load(file, allow_pickle=False) as archive:
-        arrays = {name: np.array(archive[name]) for name in archive.files}
-    arrays["samples"][len(arrays["samples"]) // 2] ^= 255
-    np.savez(file, allow_pickle=False, **arrays)
-    law = load_law(file)
+    law = load_law(spoiled(tmp_path / "law.npz", samples=lambda packed: np.append(packed[:99], packed[99:] ^ 255)))
     with pytest.raises(LawError, match=r"law\.npz: its cells are damaged"):
         len(law.samples)
 

@@ -110,10 +110,7 @@ def test_files_give_the_same_law(law: MotifLaw, tmp_path: Path) -> None:
         np.testing.assert_array_equal(ours, known)
 
 
-def test_damaged_files_and_designs_of_the_other_kind_are_refused(law: MotifLaw, tmp_path: Path) -> None:
-    (tmp_path / "half.npz").write_bytes(law_bytes(law)[:5000])
-    with pytest.raises(LawError, match="is not a law, or damaged"):
-        load_law(tmp_path / "half.npz")
+def test_designs_of_the_other_kind_are_refused(law: MotifLaw) -> None:
     with pytest.raises(ForeignLaw, match="stars: the law is for a motif of drawn rods"):
         law.check(Design.from_dict({"stars": {"length_mm": 8.0}, "border": {"rings": 1}}))
 
@@ -122,10 +119,7 @@ def test_damaged_files_and_designs_of_the_other_kind_are_refused(law: MotifLaw, 
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"fabric": {"stretch": 1.4}}, "fabric.stretch = 1.4: the law was made for 1.35"),
-        ({"fabric": {"stretch": [1.35, 1.2]}}, r"fabric.stretch = \[1.35, 1.2\]"),
         ({"fabric": {"thickness_mm": 0.7}}, "fabric.thickness_mm = 0.7: the law is for another material, of 0.8"),
-        ({"plastic": {"modulus_ratio": 3000.0}}, "plastic.modulus_ratio"),
         ({"lattice": {"kind": "square", "spacing_mm": 11.0}}, "lattice: the law is for another lattice"),
         ({"rods": {"motif": grid()[0][:1]}}, "rods.motif = 1 lines: the law is for another motif, of 2 lines"),
         ({"rods": {"motif": grid(9.0)[0]}}, r"rods.motif\[0\].line_mm: the law is for another motif"),

@@ -8,6 +8,7 @@ from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.law.motif_law import MotifTable, tensor_errors
 from asterism.homogenize.law.plan import LawPlan, Size
 from asterism.homogenize.law.tensor_forms import SheetTensors, stored_tensors, tensors_of_stored
+from tests.homogenize.law.test_anisotropy import turned as turned_voigt
 from tests.homogenize.motifs import motif_design, parallel
 
 
@@ -31,8 +32,7 @@ def turned(tensors: SheetTensors, angle: float) -> SheetTensors:
     """The tensors of the same sheet after a turn by an angle (rad)."""
     c, s = np.cos(angle), np.sin(angle)
     plain = np.array([[c * c, s * s, -2 * c * s], [s * s, c * c, 2 * c * s], [c * s, -c * s, c * c - s * s]])
-    strain = np.array([[c * c, s * s, c * s], [s * s, c * c, -c * s], [-2 * c * s, 2 * c * s, c * c - s * s]])
-    both = np.kron(np.eye(2), strain)
+    both = np.kron(np.eye(2), turned_voigt(angle))
     return SheetTensors(tensors.metric @ plain.T, both.T @ tensors.stiffness @ both, tensors.curvature @ plain.T)
 
 
