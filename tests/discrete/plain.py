@@ -27,3 +27,12 @@ def plain_hessians(elements: Elements, configuration: Array, blend: float = 0.0)
     elements.formulas[2](configuration[elements.inputs.T], elements.params.T, blend, h)
     i, j = np.tril_indices(n)
     return h[i, j].T
+
+
+def full(packed: Array) -> Array:
+    """(E, n, n) symmetric matrices of packed lower triangles."""
+    n = int(np.sqrt(2 * packed.shape[1]))
+    out = np.zeros((len(packed), n, n), dtype=packed.dtype)
+    rows, columns = np.tril_indices(n)
+    out[:, rows, columns] = out[:, columns, rows] = packed
+    return out

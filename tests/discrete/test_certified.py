@@ -28,8 +28,7 @@ PINS: list[list[dict]] = [
 
 def dense(m: DiscreteModel, state: State) -> np.ndarray:
     """Eigenvalues of the whole Hessian, with the rigid motions shifted above all others."""
-    low = m.pattern.lower(m.hessian(state, 0.0)).toarray()
-    full = low + np.tril(low, -1).T
+    full = m.pattern.full(m.hessian(state, 0.0)).toarray()
     modes = m.rigid_modes(state)
     keep = np.eye(len(full)) - modes @ modes.T
     return np.linalg.eigvalsh(keep @ full @ keep + 1e3 * np.abs(full).max() * modes @ modes.T)

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from asterism.equilibrium.arrays import Array
-from tests.discrete.plain import plain_energies, plain_gradients, plain_hessians
+from tests.discrete.plain import full, plain_energies, plain_gradients, plain_hessians
 from tests.discrete.samples import COUNT, SAMPLES, Sample
 
 STEP = 1e-30
@@ -23,15 +23,6 @@ ENERGIES = pytest.mark.parametrize("name", SAMPLES)
 
 def make(name: str, bent: bool) -> Sample:
     return SAMPLES[name](np.random.default_rng(7), bent)
-
-
-def full(packed: Array, n: int) -> Array:
-    """Symmetric matrices (E, n, n) of packed lower triangles."""
-    out = np.zeros((len(packed), n, n), dtype=packed.dtype)
-    rows, columns = np.tril_indices(n)
-    out[:, rows, columns] = packed
-    out[:, columns, rows] = packed
-    return out
 
 
 def relative(value: Array, reference: Array) -> float:
@@ -67,7 +58,7 @@ def test_hessian(name, bent):
     n = sample.elements.dofs_per_element
     derivative = complex_steps(sample, n, partial(plain_gradients, sample.elements))
     expected = 0.5 * (derivative + derivative.swapaxes(1, 2))
-    assert relative(full(sample.elements.hessians(sample.state.packed), n), expected) < 1e-11
+    assert relative(full(sample.elements.hessians(sample.state.packed)), expected) < 1e-11
     if not name.startswith("rod"):
         # without directors there is no holonomy, so the derivative is symmetric
         assert relative(derivative, expected) < 1e-11
@@ -91,12 +82,12 @@ def test_compiled_and_plain_paths_agree(name, bent, blend):
 def test_blend_interpolates_from_exact_to_semidefinite(name, bent):
     """Blended Hessians are linear in the blend; some exact element Hessians are indefinite."""
     sample = make(name, bent)
-    n, packed = sample.elements.dofs_per_element, sample.state.packed
-    exact, convex = (full(sample.elements.hessians(packed, blend), n) for blend in (0.0, 1.0))
+    packed = sample.state.packed
+    exact, convex = (full(sample.elements.hessians(packed, blend)) for blend in (0.0, 1.0))
     scale = np.abs(exact).max(axis=(1, 2))
     assert (np.linalg.eigvalsh(convex)[:, 0] > -1e-12 * scale).all()
     assert (np.linalg.eigvalsh(exact)[:, 0] < -1e-4 * scale).any()
-    between = full(sample.elements.hessians(packed, 0.25), n)
+    between = full(sample.elements.hessians(packed, 0.25))
     assert relative(between, 0.75 * exact + 0.25 * convex) < 1e-12
 
 
@@ -104,7 +95,7 @@ def test_blend_keeps_a_definite_membrane_as_it_is():
     """In tension the Hessian is positive semidefinite, so the blended Hessian is the exact one."""
     sample = make("membrane", False)
     grown = sample.state.packed * 1.6
-    exact, convex = (full(sample.elements.hessians(grown, blend), 9) for blend in (0.0, 1.0))
+    exact, convex = (full(sample.elements.hessians(grown, blend)) for blend in (0.0, 1.0))
     stable = np.linalg.eigvalsh(exact)[:, 0] > -1e-12 * np.abs(exact).max(axis=(1, 2))
     assert stable.sum() > COUNT // 2
     assert relative(convex[stable], exact[stable]) < 1e-12

@@ -16,7 +16,7 @@ from asterism.equilibrium.arrays import Array
 from asterism.equilibrium.linear.backends import make_factor
 from asterism.equilibrium.newton.minimise import minimise
 from asterism.pattern.design.materials import Fabric
-from tests.discrete.models import model_of
+from tests.discrete.models import seven_stars
 
 THICKNESS, MODULUS, POISSON = 0.8, 7.1875, 0.3
 HINGES = Fabric(thickness_mm=THICKNESS, modulus_mpa=MODULUS, poisson=POISSON).bending_tensor
@@ -25,11 +25,7 @@ SIDE = 20.0
 
 
 def counterclockwise(points: Array, triangles: Array) -> Array:
-    e1, e2 = (points[triangles[:, i]] - points[triangles[:, 0]] for i in (1, 2))
-    wrong = e1[:, 0] * e2[:, 1] - e1[:, 1] * e2[:, 0] < 0.0
-    out = triangles.copy()
-    out[wrong] = out[wrong][:, ::-1]
-    return out
+    return np.where(area(points, triangles)[:, None] < 0.0, triangles[:, ::-1], triangles)
 
 
 def right_triangles(edge: float) -> tuple[Array, Array]:
@@ -87,21 +83,12 @@ def sheet(incompressible: bool = False) -> Fabric:
     return Fabric(thickness_mm=THICKNESS, modulus_mpa=MODULUS, poisson=POISSON, model=model)
 
 
-def fabric(
-    points: Array,
-    triangles: Array,
-    held: Array | None = None,
-    incompressible: bool = False,
-    bending: bool = True,
-    material: Fabric | None = None,
-) -> System:
+def fabric(points: Array, triangles: Array, material: Fabric) -> System:
     """A system of the fabric alone, printed at its rest shape."""
-    parts = {"membrane": Membrane(triangles, points, material or sheet(incompressible))}
-    if bending:
-        edges = interior_edges(triangles)
-        parts["hinges"] = Hinges(edges, hinge_coefficients(edges, points, HINGES.d11))
-    n = 3 * len(points)
-    return System(parts, len(points), np.zeros((0, 2), dtype=int), np.zeros(n, dtype=bool) if held is None else held)
+    edges = interior_edges(triangles)
+    hinges = Hinges(edges, hinge_coefficients(edges, points, HINGES.d11))
+    parts = {"membrane": Membrane(triangles, points, material), "hinges": hinges}
+    return System(parts, len(points), np.zeros((0, 2), dtype=int), np.zeros(3 * len(points), dtype=bool))
 
 
 def flat(points: Array) -> State:
@@ -116,7 +103,7 @@ def flat(points: Array) -> State:
 def test_patch_test(mesh, material):
     """x = F X is an equilibrium of the interior, in any plane of space."""
     points, triangles = MESHES[mesh](2.5)
-    system = fabric(points, triangles, material=material)
+    system = fabric(points, triangles, material)
     f = np.array([[1.3, 0.2], [-0.1, 0.8], [0.4, 0.5]])
     gradient = system.full_gradient(State(points @ f.T, np.zeros((0, 3)))).reshape(-1, 3)
     edges = np.sort(np.concatenate([triangles[:, [i, (i + 1) % 3]] for i in range(3)]), axis=1)
@@ -132,7 +119,7 @@ def test_released_free_fabric_takes_its_rest_size(incompressible):
     """Printed at stretch 1.35 and released, it has 1/1.35 of the printed size and zero energy."""
     stretch = 1.35
     printed, triangles = jittered(2.5)
-    system = fabric(printed / stretch, triangles, incompressible=incompressible)
+    system = fabric(printed / stretch, triangles, sheet(incompressible))
     start = flat(printed)
     start.positions[:, 2] += 0.01 * np.random.default_rng(1).normal(size=len(printed))
     factor = make_factor(system.pattern)
@@ -155,7 +142,7 @@ def test_biaxial_tension(a, b, incompressible):
     """
     points, triangles = jittered(4.0)
     points = points - points.mean(axis=0)
-    system = fabric(points, triangles, incompressible=incompressible)
+    system = fabric(points, triangles, sheet(incompressible))
     state = flat(points * [a, b])
     mu, lam = MODULUS / (2.0 * (1.0 + POISSON)), MODULUS * POISSON / (1.0 - POISSON**2)
     if incompressible:
@@ -179,7 +166,7 @@ def test_small_strain_is_linear_elasticity(incompressible):
     """The first derivatives of the stress at rest are the plane-stress moduli E and nu (1/2 if incompressible)."""
     nu = 0.5 if incompressible else POISSON
     points, triangles = right_triangles(5.0)
-    system = fabric(points, triangles, incompressible=incompressible)
+    system = fabric(points, triangles, sheet(incompressible))
     volume = THICKNESS * area(points, triangles).sum()
     step = 1e-5
     for strain in (np.diag([1.0, 0.0]), np.diag([1.0, 1.0]), np.array([[0.0, 0.5], [0.5, 0.0]])):
@@ -193,7 +180,7 @@ def test_collapse_is_a_barrier():
     """The energy is infinite at a collapsed triangle, so no triangle can be inverted in its plane."""
     points, triangles = right_triangles(10.0)
     for material in (sheet(), sheet(True), KNIT):
-        system = fabric(points, triangles, material=material)
+        system = fabric(points, triangles, material)
         squeezed = [system.energy(flat(points * [x, 1.0])) for x in (1e-1, 1e-2, 1e-4, 1e-8)]
         assert (np.diff(squeezed) > 0.0).all()
         assert not np.isfinite(system.energy(flat(points * [0.0, 1.0])))
@@ -250,9 +237,7 @@ def test_paper_bending_on_regular_meshes(mesh, factors, edge):
 @pytest.mark.parametrize(("bending", "part", "column"), [("paper", "hinges", 0), ("consistent", "folds", 1)])
 def test_hinges_follow_the_shape_of_the_fabric_at_rest(bending, part, column):
     """With different stretches in x and y the rest shape is not similar to the print, and changes with the release."""
-    stars = {"length_mm": 8.0}
-    fabric = {"stretch": [1.8, 1.0], "bending": bending}
-    model = model_of({"fabric": fabric, "stars": stars, "border": {"rings": 1}, "mesh": {"edge_mm": 4.0}}, 4.0)
+    model = seven_stars(stretch=[1.8, 1.0], bending=bending)
     rule = hinge_coefficients if bending == "paper" else fold_coefficients
     stiffness = model.design.fabric.bending_tensor.d11
     hinges = model.parts[part]

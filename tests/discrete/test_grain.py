@@ -13,14 +13,9 @@ from asterism.equilibrium.arrays import Array
 from asterism.exact.simulation import exact_shape
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.materials import Fabric, rest_curvature
-from tests.discrete.models import model_of
+from tests.discrete.models import seven_stars
 
 KNIT = {"modulus_mpa": [9.0, 4.0], "bending": "consistent"}
-
-
-def model(**fabric: Any) -> DiscreteModel:
-    star = {"stars": {"length_mm": 8.0}, "border": {"rings": 1}, "mesh": {"edge_mm": 4.0}}
-    return model_of(star | {"fabric": fabric}, 4.0)
 
 
 def bent(of: DiscreteModel, curvature: float, angle: float) -> Array:
@@ -35,7 +30,7 @@ def bent(of: DiscreteModel, curvature: float, angle: float) -> Array:
 @pytest.mark.parametrize("angle", [0.0, 30.0, 75.0, 120.0])
 def test_a_cylinder_bends_by_direction(stretch: Any, bending: str, angle: float) -> None:
     """The energy of a plate that is curved at an angle to its grain, also where the stretch shears it in print."""
-    of = model(**KNIT | {"grain_deg": 30.0, "stretch": stretch, "bending": bending})
+    of = seven_stars(**KNIT | {"grain_deg": 30.0, "stretch": stretch, "bending": bending})
     d11, d12, d22, d66 = of.design.fabric.bending_tensor
     c, s = np.cos(np.radians(angle - 30.0)), np.sin(np.radians(angle - 30.0))
     stiffness = d11 * c**4 + d22 * s**4 + (2.0 * d12 + 4.0 * d66) * c**2 * s**2
@@ -46,7 +41,7 @@ def test_a_cylinder_bends_by_direction(stretch: Any, bending: str, angle: float)
 
 def test_the_order_of_both_directions_does_not_matter() -> None:
     """Not even where the fabric is sheared."""
-    one, two = model(**KNIT, grain_deg=20.0), model(**KNIT | {"modulus_mpa": [4.0, 9.0]}, grain_deg=110.0)
+    one, two = seven_stars(**KNIT, grain_deg=20.0), seven_stars(**KNIT | {"modulus_mpa": [4.0, 9.0]}, grain_deg=110.0)
     printed = one.printed_state()
     sheared = printed.positions @ np.array([[0.9, 0.0, 0.0], [0.2, 0.8, 0.0], [0.0, 0.0, 1.0]])
     sheared[:, 2] = 0.01 * sheared[:, 0] ** 2 - 0.003 * sheared[:, 0] * sheared[:, 1]
@@ -56,7 +51,7 @@ def test_the_order_of_both_directions_does_not_matter() -> None:
 
 def test_a_released_sheet_has_its_rest_size() -> None:
     """Without any stress, at oblique grain and unequal stretch."""
-    of = model(**KNIT, grain_deg=30.0, stretch=[1.5, 1.2])
+    of = seven_stars(**KNIT, grain_deg=30.0, stretch=[1.5, 1.2])
     state = State(bent(of, 0.0, 0.0).reshape(-1, 3), of.printed_state().directors, of.printed_state().frames)
     for name in ("membrane", "membrane_sides", "plate", "folds"):
         part = of.parts[name]
@@ -67,8 +62,8 @@ def test_a_released_sheet_has_its_rest_size() -> None:
 @pytest.mark.parametrize("bending", ["consistent", "plate"])
 def test_the_plate_is_proportional_to_its_measured_stiffness(bending: str) -> None:
     fabric, stiffness = {"modulus_mpa": 7.0}, 7.0 * 0.8**3 / (12.0 * (1.0 - 0.3**2))
-    measured = [model(**fabric, bending=bending, bending_stiffness_n_mm=n * stiffness) for n in (1.0, 3.0)]
-    plain = model(**fabric, bending="consistent")
+    measured = [seven_stars(**fabric, bending=bending, bending_stiffness_n_mm=n * stiffness) for n in (1.0, 3.0)]
+    plain = seven_stars(**fabric, bending="consistent")
     shape = bent(plain, 1e-3, 20.0)
     plate, same, thrice = (float(one.parts["plate"].energies(shape).sum()) for one in (plain, *measured))
     assert (same, thrice) == pytest.approx((plate, 3.0 * plate), rel=1e-12)

@@ -5,23 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.release.continuation import model_with_pins_until, solve_on_mesh
 from asterism.discrete.release.release_start import ReleaseStart
 from asterism.pattern import gallery
-from tests.discrete.models import model_of
-
-
-def model(edge: float = 4.0, rings: int = 1, **changes: object) -> DiscreteModel:
-    data = gallery.load("tube").to_dict()
-    data["border"] = {"rings": rings}
-    data["mesh"] = {"edge_mm": edge}
-    return model_of(data | changes, edge)
+from tests.discrete.models import tube
 
 
 @pytest.mark.slow
 def test_pins_after_release_reach_their_targets() -> None:
-    later = model(pins=[{"where": "border", "scale": 0.8, "step": 1}])
+    later = tube(pins=[{"where": "border", "scale": 0.8, "step": 1}])
     found = solve_on_mesh(later)
     held = later.constraints.held
     assert found.is_minimum
@@ -30,14 +22,14 @@ def test_pins_after_release_reach_their_targets() -> None:
     assert [round(step.moved, 6) for step in found.path[-6:]] == [0.2, 0.4, 0.6, 0.8, 1.0, 1.0]
     assert later.release == 1.0 and later.energy(found.state) == pytest.approx(found.energy)
     # the free released sheet has less energy than the pinned one
-    assert found.path[9].energy_n_mm == pytest.approx(solve_on_mesh(model()).energy, rel=1e-3)
+    assert found.path[9].energy_n_mm == pytest.approx(solve_on_mesh(tube()).energy, rel=1e-3)
     assert found.path[9].energy_n_mm < found.energy
 
 
 @pytest.mark.slow
 def test_pinned_corners_lead_to_the_same_shape_before_and_after_release() -> None:
     pins = {"corners": [0, 3], "scale": 0.8}
-    at_once, later = solve_on_mesh(model(pins=[pins])), solve_on_mesh(model(pins=[pins | {"step": 1}]))
+    at_once, later = solve_on_mesh(tube(pins=[pins])), solve_on_mesh(tube(pins=[pins | {"step": 1}]))
     assert at_once.is_minimum and later.is_minimum
     assert later.energy == pytest.approx(at_once.energy, rel=1e-8)
 
@@ -45,14 +37,14 @@ def test_pinned_corners_lead_to_the_same_shape_before_and_after_release() -> Non
 def test_a_border_pinned_after_release_keeps_its_waves() -> None:
     """The released border is longer than the pinned one, so pins catch its waves in a higher minimum."""
     pins = {"where": "border", "scale": 0.74}
-    at_once, later = solve_on_mesh(model(pins=[pins])), solve_on_mesh(model(pins=[pins | {"step": 1}]))
+    at_once, later = solve_on_mesh(tube(pins=[pins])), solve_on_mesh(tube(pins=[pins | {"step": 1}]))
     assert at_once.is_minimum and later.is_minimum
     assert later.energy > at_once.energy + 1.0
 
 
 @pytest.mark.slow
 def test_a_second_run_gives_the_same_and_the_model_is_unchanged() -> None:
-    m = model(pins=[{"corners": [0, 3], "step": 2}, {"corners": [1], "slide": "z"}])
+    m = tube(pins=[{"corners": [0, 3], "step": 2}, {"corners": [1], "slide": "z"}])
     printed = m.constraints.printed.copy()
     first, second = solve_on_mesh(m), solve_on_mesh(m)
     np.testing.assert_array_equal(m.constraints.printed, printed)
@@ -61,16 +53,16 @@ def test_a_second_run_gives_the_same_and_the_model_is_unchanged() -> None:
 
 
 def test_pins_take_hold_step_by_step() -> None:
-    m = model(pins=[{"corners": [0, 3], "scale": 0.8}, {"corners": [1], "step": 3}, {"corners": [5], "step": 1}])
+    m = tube(pins=[{"corners": [0, 3], "scale": 0.8}, {"corners": [1], "step": 3}, {"corners": [5], "step": 1}])
     assert m.layout.pin_steps == (0, 1, 3)
     assert [model_with_pins_until(m, k).held.sum() for k in (0, 1, 3)] == [6, 9, 12]
-    free = model()
+    free = tube()
     assert model_with_pins_until(free, 0) is free
 
 
 def test_a_free_sheet_moves_to_its_pins_with_the_plastic_up() -> None:
     """Two pins leave the rotation about their line undetermined; the printed positions decide it."""
-    m = model(pins=[{"corners": [0, 3], "scale": 0.75, "step": 1}])
+    m = tube(pins=[{"corners": [0, 3], "scale": 0.75, "step": 1}])
     found = solve_on_mesh(m)
     assert found.is_minimum
     assert found.state.directors.mean(axis=0)[2] > 0.3
@@ -79,7 +71,7 @@ def test_a_free_sheet_moves_to_its_pins_with_the_plastic_up() -> None:
 def test_an_unstable_state_is_left_along_its_negative_mode() -> None:
     """Without rest curvature and noise a print stays flat until it is unstable: kicks are on the path only."""
     plastic = gallery.load("tube").to_dict()["plastic"] | {"rest_curvature": "none"}
-    m = model(rings=0, plastic=plastic)
+    m = tube(rings=0, plastic=plastic)
     found = solve_on_mesh(m, ReleaseStart(bumps=False, noise_mm=0.0))
     assert found.is_minimum
     assert found.instabilities_passed >= 1 and found.saddles_left == 0
@@ -92,7 +84,7 @@ def test_an_unstable_state_is_left_along_its_negative_mode() -> None:
 
 def test_invalid_starts_are_refused() -> None:
     with pytest.raises(ValueError, match="must be of 1 stars, not 2"):
-        solve_on_mesh(model(rings=0), ReleaseStart(branch=(1, -1)))
+        solve_on_mesh(tube(rings=0), ReleaseStart(branch=(1, -1)))
     with pytest.raises(ValueError, match="must be one of none, roll, dome, saddle"):
         ReleaseStart(bend="rol")  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="a bend needs one above 0"):
@@ -109,7 +101,7 @@ def test_invalid_starts_are_refused() -> None:
 
 
 def test_an_interrupted_release_leaves_the_model_released() -> None:
-    m = model(rings=0)
+    m = tube(rings=0)
     state, energy = m.flat_state(), m.energy(m.flat_state())
 
     def stop(stage: str, iteration: object) -> None:

@@ -13,20 +13,16 @@ from asterism.discrete.model.system import System
 from asterism.discrete.release.continuation import solve_on_mesh
 from asterism.equilibrium.newton.minimise import minimise
 from asterism.pattern import gallery
-from tests.discrete.models import model_of
+from tests.discrete.models import tube
 
 FINE = 17.3205 / 36  # mm; graded: 0.2 mm along the arms at their tips
-
-
-def star(edge: float, graded: bool = False, **changes: object) -> DiscreteModel:
-    data = gallery.load("tube").to_dict() | {"border": {"rings": 0}, "mesh": {"edge_mm": edge, "graded": graded}}
-    return model_of(data | changes, edge)
 
 
 @pytest.fixture(scope="module")
 def plate() -> DiscreteModel:
     """One star on a mesh with tiny edges, with the plate."""
-    return star(FINE, True, fabric=gallery.load("tube").to_dict()["fabric"] | {"bending": "consistent"})
+    fabric = gallery.load("tube").to_dict()["fabric"] | {"bending": "consistent"}
+    return tube(FINE, 0, mesh={"edge_mm": FINE, "graded": True}, fabric=fabric)
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +40,7 @@ def direction(model: DiscreteModel, size: float, seed: int = 0) -> np.ndarray:
 
 
 def test_a_rigid_rotation_is_followed_exactly() -> None:
-    model = star(4.0)
+    model = tube(rings=0)
     state = solve_on_mesh(model).state
     spin = np.array([0.3, -0.5, 0.4])
     centre = state.positions.mean(axis=0)
@@ -63,7 +59,7 @@ def test_a_rigid_rotation_is_followed_exactly() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("pins", [[{"where": "border", "scale": 0.8}], [{"corners": [1], "slide": "z"}]])
 def test_the_slope_of_a_step_is_its_direction(pins: list[dict]) -> None:
-    model = star(4.0, pins=pins)
+    model = tube(rings=0, pins=pins)
     state = solve_on_mesh(model).state
     d = direction(model, 1.0)
     path, _ = model.path(state, d)

@@ -13,6 +13,7 @@ from asterism.fem.search.relax import follow, relax
 from asterism.fem.shell.fields import Fields, of_stretch
 from asterism.fem.shell.shell import Shell
 from asterism.fem.supports.conditions import PointSupport
+from tests.distances import rms_distance
 from tests.fem.hexagons import density, hexagon, radius
 from tests.fem.loads import point_load
 
@@ -25,9 +26,7 @@ def dome(amount: float) -> Fields:
 def distance(shell: Shell, x: Floats, y: Floats) -> float:
     """Rms distance in mm at the vertices after a rigid fit."""
     at = shell.space.locate(shell.space.mesh.p.T).value
-    a, b = (at @ state - (at @ state).mean(axis=0) for state in (x, y))
-    u, _, v = np.linalg.svd(a.T @ b)
-    return float(np.sqrt(((a @ u @ v - b) ** 2).sum(axis=1).mean()))
+    return rms_distance(at @ x, at @ y)
 
 
 def test_the_response_is_the_derivative() -> None:

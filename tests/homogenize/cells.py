@@ -6,10 +6,8 @@ import functools
 from typing import Any
 
 import numpy as np
-import scipy.sparse as sp
 
 from asterism.discrete.model.state import State
-from asterism.equilibrium.arrays import Array
 from asterism.homogenize.cell.flat_cell import FlatCell, relax_flat_cell
 from asterism.homogenize.cell.rolling import rolled_state, unrolled_flat_cell
 from asterism.homogenize.cell.sample import Sample, solve_cell
@@ -68,9 +66,3 @@ def shaken(cell: UnitCell, state: State, size: float = 0.1) -> State:
     """The state after a random step of its free dofs."""
     direction = np.random.default_rng(3).normal(size=len(cell.free))
     return cell.path(state, direction)[0](size)
-
-
-def full(low: sp.csc_matrix) -> Array:
-    """Dense symmetric matrix of a lower triangle."""
-    dense = low.toarray()
-    return np.asarray(dense + np.tril(dense, -1).T)

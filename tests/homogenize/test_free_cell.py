@@ -14,7 +14,7 @@ from asterism.homogenize.cell.sample import solve_cell
 from asterism.homogenize.cell.unit_cell import UnitCell
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.lattice import DEFAULT_SPACING_MM
-from tests.homogenize.cells import EDGE, design, full, shaken
+from tests.homogenize.cells import EDGE, design, shaken
 from tests.homogenize.linear_cell import effective_stiffness
 from tests.homogenize.stability import cell_stability, unfolded_hessian
 
@@ -32,7 +32,7 @@ def test_elements_with_two_images_of_one_point() -> None:
     fold[:, torus.n_base :] = torus.image
     fold = block_diag(np.kron(fold, np.eye(3)), np.eye(rods))
     whole = (fold.T @ unfolded_hessian(cell, state).toarray() @ fold)[np.ix_(cell.free, cell.free)]
-    found = full(cell.pattern.lower(cell.hessian(state, 0.0)))
+    found = cell.pattern.full(cell.hessian(state, 0.0)).toarray()
     np.testing.assert_allclose(found, whole, atol=1e-11 * np.abs(whole).max())
 
 

@@ -12,7 +12,8 @@ from asterism.equilibrium.arrays import Array
 from asterism.homogenize.cell.unit_cell import UnitCell
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.materials import Fabric
-from tests.discrete.models import model_of
+from tests.discrete.models import seven_stars
+from tests.discrete.plain import full
 from tests.discrete.samples import rotation
 from tests.discrete.test_fabric import KNIT, MESHES, SIDE, area
 
@@ -35,11 +36,6 @@ def forces(parts: list[Elements], positions: Array) -> Array:
     for part in parts:
         total += np.bincount(part.dofs.ravel(), part.gradients(positions.ravel()).ravel(), positions.size)
     return total.reshape(-1, 3)
-
-
-def design(**fabric: object) -> Design:
-    star = {"stars": {"length_mm": 8.0}, "border": {"rings": 1}, "mesh": {"edge_mm": 4.0}}
-    return Design.from_dict(star | {"fabric": fabric})
 
 
 @pytest.mark.parametrize("mesh", MESHES)
@@ -95,10 +91,7 @@ def test_flat_sheets_have_no_modes_without_energy():
     for parts in ([Membrane(triangles, points, SHEET)], smooth(triangles, points)):
         whole = np.zeros((n, n))
         for part in parts:
-            i, j = np.tril_indices(part.dofs_per_element)
-            for dofs, packed in zip(part.dofs, part.hessians(positions), strict=True):
-                block = np.zeros((len(dofs), len(dofs)))
-                block[i, j] = block[j, i] = packed
+            for dofs, block in zip(part.dofs, full(part.hessians(positions)), strict=True):
                 whole[np.ix_(dofs, dofs)] += block
         smallest.append(np.linalg.eigvalsh(whole[np.ix_(free, free)])[0])
     assert smallest[1] > 0.7 * smallest[0] > 0.0
@@ -107,7 +100,8 @@ def test_flat_sheets_have_no_modes_without_energy():
 def test_a_plate_has_smooth_strains_and_hinges_have_flat_triangles():
     """Models and cells; the paper's membrane keeps all of its energy."""
     for fabric, smoothed in ((PLATE, True), ({"bending": "paper"}, False)):
-        for parts in (model_of(design(**fabric)).parts, UnitCell(design(**fabric), 4.0).model.parts):
+        model = seven_stars(**fabric)
+        for parts in (model.parts, UnitCell(model.design, 4.0).model.parts):
             flat = parts["membrane"]
             assert isinstance(flat, Membrane)
             assert ("membrane_sides" in parts) is smoothed is not np.array_equal(flat.params, flat.whole)
@@ -116,7 +110,7 @@ def test_a_plate_has_smooth_strains_and_hinges_have_flat_triangles():
 @pytest.mark.parametrize("release", [0.0, 0.4, 1.0])
 def test_the_release_sets_the_rest_shape(release):
     """The parts of a model equal elements built on the released sheet."""
-    model = model_of(design(**PLATE, stretch=[1.4, 1.2]))
+    model = seven_stars(**PLATE, stretch=[1.4, 1.2])
     model.set_release(release)
     rest = model.mesh.points / (1.0 + release * (np.array([1.4, 1.2]) - 1.0))
     for part, name in zip(smooth(model.mesh.triangles, rest), ("membrane", "membrane_sides"), strict=True):
@@ -125,7 +119,7 @@ def test_the_release_sets_the_rest_shape(release):
 
 def test_reconstruction_counts_the_whole_fabric():
     """What reads the flat triangles is the same for plates and hinges."""
-    plate, hinges = model_of(design(**PLATE)), model_of(design())
+    plate, hinges = seven_stars(**PLATE), seven_stars()
     free = np.arange(len(plate.mesh.points))
     for one, other in zip(
         plate.reconstruction.laplacian(free)[1:], hinges.reconstruction.laplacian(free)[1:], strict=True

@@ -10,19 +10,12 @@ from asterism.discrete.model.state import State, rotate_vectors
 from asterism.discrete.release.levels import Ladder, SharedSearch, solve_on_meshes
 from asterism.discrete.release.prolongation import extrapolate, interpolate_surface, plastic_normals
 from asterism.equilibrium.arrays import Array
-from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.mesh import Mesh
 from asterism.pattern.mesh.meshing import mesh_layout
-from tests.discrete.models import model_of
+from tests.discrete.models import paper_tube
 from tests.distances import rms_distance
-
-
-def model(edge: float = 2.5, **changes: object) -> DiscreteModel:
-    data = gallery.load("tube").to_dict() | {"border": {"rings": 1}, "mesh": {"edge_mm": edge}}
-    data["fabric"] |= {"bending": "paper"}
-    return model_of(data | changes, edge)
 
 
 def rolled(m: DiscreteModel, radius: float) -> State:
@@ -34,7 +27,7 @@ def rolled(m: DiscreteModel, radius: float) -> State:
 @pytest.mark.parametrize("share", [0.0, 0.5, 1.0])
 def test_a_tube_continues_to_close_at_the_same_rate(share: float) -> None:
     """From curvature 1/40 to 1/25, and on by a share of the difference, for any rigid motion of the sheet."""
-    m = model()
+    m = paper_tube(2.5)
     before, state = rolled(m, 40.0), rolled(m, 25.0)
     spin = np.array([[0.5, -1.2, 0.8]])
     lies = State(rotate_vectors(spin, before.positions[None])[0] + 7.0, rotate_vectors(spin, before.directors[None])[0])
@@ -47,7 +40,7 @@ def test_a_tube_continues_to_close_at_the_same_rate(share: float) -> None:
 
 
 def test_held_vertices_stay() -> None:
-    m = model(pins=[{"where": "border", "scale": 0.8}])
+    m = paper_tube(2.5, pins=[{"where": "border", "scale": 0.8}])
     held = m.constraints.held
     found = extrapolate(m, rolled(m, 40.0), rolled(m, 25.0), 0.7)
     np.testing.assert_array_equal(found.positions[held], rolled(m, 25.0).positions[held])
@@ -64,7 +57,7 @@ def test_a_fine_mesh_starts_closer_to_its_minimum(monkeypatch: pytest.MonkeyPatc
 
     monkeypatch.setattr("asterism.discrete.release.levels.extrapolate", noted)
     monkeypatch.setattr("asterism.discrete.release.levels.COARSE_VERTICES", 250)
-    fine = model(17.3205 / 16)
+    fine = paper_tube(17.3205 / 16)
     search = SharedSearch(Ladder(fine.design, fine.layout))
     found, levels = solve_on_meshes(search)
     assert found.is_minimum and len(levels) == 4 and len(starts) == 2

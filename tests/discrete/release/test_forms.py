@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import cache
 
 import numpy as np
 import pytest
@@ -17,23 +16,17 @@ from asterism.discrete.release.equilibrium import roll_axis_deg
 from asterism.discrete.release.forms import ExactForm, distinct_forms, find_minima
 from asterism.discrete.release.levels import Ladder
 from asterism.discrete.release.release_start import ReleaseStart, release_starts
-from asterism.pattern import gallery
-from asterism.pattern.design.design import Design
+from asterism.equilibrium.arrays import Array
 from asterism.pattern.geometry.normals import vertex_normals
-from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import Symmetry, symmetries
-from asterism.pattern.mesh.meshing import mesh_layout
-from tests.discrete.models import model_of
+from tests.discrete.models import model_of, tube
 from tests.distances import symmetric_distances
 
 MIRROR = np.diag([-1.0, 1.0, 1.0])
 
 
 def model(rings: int = 1, edge: float = 3.0, **changes: object) -> DiscreteModel:
-    data = gallery.load("tube").to_dict()
-    data["border"] = {"rings": rings}
-    data["stars"] = {"length_mm": 10.0, "thickness_mm": 0.3}
-    return model_of(data | changes, edge)
+    return tube(edge, rings, **{"stars": {"length_mm": 10.0, "thickness_mm": 0.3}} | changes)
 
 
 def ladder(m: DiscreteModel, edge: float = 3.0) -> Ladder:
@@ -73,14 +66,13 @@ def test_images_of_a_shape_have_its_energy_and_zero_distance() -> None:
 
 @pytest.mark.parametrize("bend", ["roll", "dome", "saddle"])
 def test_a_bend_does_not_depend_on_the_place_of_the_outline(bend: str) -> None:
-    def start(x: float) -> State:
+    def start(x: float) -> Array:
         border = {"polygon_mm": [[x, 0.0], [x + 60.0, 0.0], [x + 60.0, 60.0], [x, 60.0]]}
         data = {"stars": {"length_mm": 6.0}, "lattice": {"origin_mm": [x, 0.0]}, "border": border}
-        plan = layout(design := Design.from_dict(data))
-        m = DiscreteModel(design, plan, mesh_layout(plan, 6.0))
-        return ReleaseStart(bumps=False, bend=bend, sag_mm=20.0, noise_mm=0.0).initial_state(m)  # type: ignore[arg-type]
+        flat_start = ReleaseStart(bumps=False, bend=bend, sag_mm=20.0, noise_mm=0.0)  # type: ignore[arg-type]
+        return flat_start.initial_state(model_of(data, 6.0)).positions
 
-    here, there = start(-30.0).positions, start(300.0).positions
+    here, there = start(-30.0), start(300.0)
     np.testing.assert_allclose(there - [330.0, 0.0, 0.0], here, atol=1e-9)
     assert np.ptp(here[:, 2]) > 9.0
 
@@ -187,14 +179,8 @@ def test_flat_stars_are_on_no_side() -> None:
     assert len(distinct_forms(forms, symmetries(m.design, m.layout))) == 1
 
 
-@cache
-def stars_model(held: bool = False) -> DiscreteModel:
-    data = gallery.load("tube").to_dict() | {"border": {"rectangle_mm": [70.0, 60.0]}}
-    return model_of(data | {"pins": [{"where": "border", "scale": 0.9}] if held else []}, 4.0)
-
-
 def test_noise_does_not_move_held_components() -> None:
-    sheet = stars_model(held=True)
+    sheet = tube(border={"rectangle_mm": [70.0, 60.0]}, pins=[{"where": "border", "scale": 0.9}])
     quiet, noisy = (ReleaseStart(noise_mm=noise).initial_state(sheet).positions for noise in (0.0, 0.5))
     held = sheet.constraints.held
     assert held.any()

@@ -7,23 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State
 from asterism.discrete.release.continuation import solve_on_mesh
 from asterism.discrete.release.levels import Ladder, SharedSearch, is_same_state, solve_on_meshes
 from asterism.discrete.release.prolongation import fit_to_surface, prolong
-from asterism.pattern import gallery
 from asterism.pattern.geometry.rigid_fit import rigid_fit
-from tests.discrete.models import model_of
-
-
-def model(edge: float, **changes: object) -> DiscreteModel:
-    data = gallery.load("tube").to_dict()
-    data["border"] = {"rings": 1}
-    data["mesh"] = {"edge_mm": edge}
-    data["fabric"] |= {"bending": "paper"}
-    return model_of(data | changes, edge)
-
+from tests.discrete.models import paper_tube
 
 FINE_MM = 1.6
 
@@ -36,7 +25,7 @@ def small_meshes(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def search(edge: float, **changes: object) -> SharedSearch:
     """All meshes of a search that ends on this edge."""
-    fine = model(edge, **changes)
+    fine = paper_tube(edge, **changes)
     return SharedSearch(Ladder(fine.design, fine.layout))
 
 
@@ -47,7 +36,7 @@ SLIT = {"polygon_mm": [[-25, -25], [25, -25], [25, -0.05], [3, 0], [25, 0.05], [
 @pytest.mark.parametrize("border", [{"rings": 1}, SLIT])
 @pytest.mark.slow
 def test_levels_agree_with_one_mesh(border: dict[str, object]) -> None:
-    fine = model(FINE_MM, border=border)
+    fine = paper_tube(FINE_MM, border=border)
     found, levels = solve_on_meshes(search(FINE_MM, border=border))
     assert [level.vertices for level in levels][-1] == fine.n_vertices
     assert len(levels) == 2 and levels[0].vertices < fine.n_vertices / 2
@@ -59,7 +48,7 @@ def test_levels_agree_with_one_mesh(border: dict[str, object]) -> None:
 
 @pytest.mark.slow
 def test_a_coarse_mesh_is_solved_as_accurately_as_the_next_mesh_needs() -> None:
-    sheet = model(3.4)
+    sheet = paper_tube(3.4)
     accurate, early = (solve_on_mesh(sheet, coarse=coarse) for coarse in (False, True))
     assert accurate.is_minimum and not early.is_minimum
     assert early.factorisations < accurate.factorisations
@@ -71,7 +60,7 @@ def test_a_coarse_mesh_is_solved_as_accurately_as_the_next_mesh_needs() -> None:
 def test_an_arm_that_ends_beside_a_held_edge_does_not_pass_it() -> None:
     """At full length the arms of a sheet that has contracted to 0.8 would end 1.5 mm beyond the edge."""
     pins = [{"edges": [1, 3], "scale": 0.8}]
-    sheet = model(2.0, border={"rectangle_mm": [48.0, 40.0]}, stars={"length_mm": 10.0}, pins=pins)
+    sheet = paper_tube(2.0, border={"rectangle_mm": [48.0, 40.0]}, stars={"length_mm": 10.0}, pins=pins)
     sheet.set_release(1.0)
     state = fit_to_surface(sheet, 0.8 * np.column_stack([sheet.mesh.points, np.zeros(sheet.n_vertices)]))
     inside = np.abs(sheet.mesh.points[:, 0]) < 24.0 - 1e-9
@@ -80,7 +69,7 @@ def test_an_arm_that_ends_beside_a_held_edge_does_not_pass_it() -> None:
 
 
 def test_prolongation_keeps_the_length_of_the_arms_and_the_shape() -> None:
-    coarse, fine = model(3.4), model(1.7)
+    coarse, fine = paper_tube(3.4), paper_tube(1.7)
     found = solve_on_mesh(coarse)
     state = prolong(coarse, found.state, fine)
     edges = state.positions[fine.edges[:, 1]] - state.positions[fine.edges[:, 0]]
@@ -103,7 +92,7 @@ def turned(state: State, angle: float) -> State:
 
 @pytest.mark.slow
 def test_one_state_up_to_rigid_motions_but_not_up_to_mirrors() -> None:
-    end = solve_on_mesh(model(3.4), coarse=True)
+    end = solve_on_mesh(paper_tube(3.4), coarse=True)
     assert is_same_state(end, replace(end, state=turned(end.state, 0.7)))
     mirrored = State(end.state.positions * [1.0, 1.0, -1.0], end.state.directors)
     assert not is_same_state(end, replace(end, state=mirrored))

@@ -21,14 +21,14 @@ from asterism.previews.solve import WatchedFactor
 SIDE = 12
 
 
-def grid_pattern() -> SparsePattern:
+def grid_pattern(side: int) -> SparsePattern:
     """Quadrilaterals of a square grid, one dof a node."""
-    n = SIDE + 1
-    corner = (np.arange(SIDE)[:, None] * n + np.arange(SIDE)).ravel()
+    n = side + 1
+    corner = (np.arange(side)[:, None] * n + np.arange(side)).ravel()
     return SparsePattern([np.column_stack([corner, corner + 1, corner + n, corner + n + 1])], n * n, np.arange(n * n))
 
 
-PATTERN = grid_pattern()
+PATTERN = grid_pattern(SIDE)
 
 
 def laplacian(seed: int = 0) -> Floats:
@@ -41,9 +41,14 @@ def laplacian(seed: int = 0) -> Floats:
     return PATTERN.assemble([elements[:, i, j]])
 
 
+def random_matrix(rng: np.random.Generator, size: int, density: float) -> tuple[SparsePattern, Floats]:
+    pairs = np.argwhere(np.tril(rng.random((size, size)) < density, -1))
+    pattern = SparsePattern([pairs.reshape(-1, 2)], size, np.arange(size))
+    return pattern, rng.normal(size=pattern.nnz)
+
+
 def dense(data: Floats) -> Floats:
-    low = PATTERN.lower(data).toarray()
-    return low + np.tril(low, -1).T
+    return np.asarray(PATTERN.full(data).toarray())
 
 
 def shifted(data: Floats, shift: float) -> Floats:
@@ -174,12 +179,9 @@ def test_not_finite(factor, bad):
 def test_verdict_is_that_of_dense_eigenvalues(seed, size, density, shift):
     """Random symmetric matrices of any pattern: also diagonal, of size one, or in parts that are not connected."""
     rng = np.random.default_rng(seed)
-    pairs = np.argwhere(np.tril(rng.random((size, size)) < density, -1))
-    pattern = SparsePattern([pairs.reshape(-1, 2)], size, np.arange(size))
-    data = rng.normal(size=pattern.nnz)
+    pattern, data = random_matrix(rng, size, density)
     data[pattern.diagonal] += shift
-    low = pattern.lower(data).toarray()
-    full = low + np.tril(low, -1).T
+    full = pattern.full(data).toarray()
     smallest = np.linalg.eigvalsh(full)[0]
     if abs(smallest) < 1e-9:
         return

@@ -31,17 +31,14 @@ from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.meshing import mesh_layout
+from tests.equilibrium.linear.test_factor import grid_pattern
 
 SIDE = 30
 
 
 def grid() -> tuple[SparsePattern, Floats]:
     """Laplacian of a square of quadrilaterals; constants are its kernel."""
-    n = SIDE + 1
-    corner = (np.arange(SIDE)[:, None] * n + np.arange(SIDE)).ravel()
-    pattern = SparsePattern(
-        [np.column_stack([corner, corner + 1, corner + n, corner + n + 1])], n * n, np.arange(n * n)
-    )
+    pattern = grid_pattern(SIDE)
     i, j = np.tril_indices(4)
     element = (4.0 * np.eye(4) - np.ones((4, 4)))[i, j]
     return pattern, pattern.assemble([np.tile(element, (SIDE * SIDE, 1))])
@@ -54,11 +51,6 @@ def shifted(amount: float) -> Floats:
     data = LAPLACIAN.copy()
     data[PATTERN.diagonal] += amount
     return data
-
-
-def dense(pattern: SparsePattern, data: Floats) -> Floats:
-    low = pattern.lower(data).toarray()
-    return low + np.tril(low, -1).T
 
 
 @pytest.fixture(scope="module")
@@ -74,7 +66,7 @@ def test_solves_a_laplacian_in_few_iterations():
     factor = MultigridFactor(PATTERN, make_factor, min_unknowns=0)
     data, b = shifted(1e-3), np.random.default_rng(0).standard_normal((PATTERN.size, 2))
     assert factor.factorise(data)
-    np.testing.assert_allclose(factor.solve(b), np.linalg.solve(dense(PATTERN, data), b), atol=1e-7)
+    np.testing.assert_allclose(factor.solve(b), np.linalg.solve(PATTERN.full(data).toarray(), b), atol=1e-7)
     assert factor.proves_definite()
     run = ConjugateGradients(factor.product, factor.precondition, b[:, 0])
     for _ in range(25):

@@ -11,11 +11,7 @@ from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.linear.backends import available, make_factor
 from asterism.equilibrium.linear.sparse_pattern import SparsePattern
 from asterism.equilibrium.newton.certificate import Eigenpair, smallest_eigenvalue
-
-
-def symmetric(pattern: SparsePattern, data: Floats) -> Floats:
-    low = pattern.lower(data).toarray()
-    return low + np.tril(low, -1).T
+from tests.equilibrium.linear.test_factor import random_matrix
 
 
 def certified(pattern: SparsePattern, data: Floats, modes: Floats | None = None, backend: str = "auto") -> Eigenpair:
@@ -24,12 +20,6 @@ def certified(pattern: SparsePattern, data: Floats, modes: Floats | None = None,
     pair = smallest_eigenvalue(pattern, data, factor, none if modes is None else modes)
     factor.close()
     return pair
-
-
-def random_matrix(rng: np.random.Generator, size: int, density: float) -> tuple[SparsePattern, Floats]:
-    pairs = np.argwhere(np.tril(rng.random((size, size)) < density, -1))
-    pattern = SparsePattern([pairs.reshape(-1, 2)], size, np.arange(size))
-    return pattern, rng.normal(size=pattern.nnz)
 
 
 def assert_is_smallest(pair: Eigenpair, matrix: Floats, allowed: Floats) -> None:
@@ -54,7 +44,7 @@ def test_deflated_modes_are_not_seen(seed, size, density, deflated, lowest):
     rng = np.random.default_rng(seed)
     pattern, data = random_matrix(rng, size, density)
     deflated = min(deflated, size - 1)
-    matrix = symmetric(pattern, data)
+    matrix = pattern.full(data).toarray()
     values, vectors = np.linalg.eigh(matrix)
     chosen = np.arange(deflated) if lowest else np.sort(rng.permutation(size)[:deflated])
     rest = np.setdiff1d(np.arange(size), chosen)
@@ -72,7 +62,7 @@ def test_rigid_motions_of_a_chain(smallest, backend):
     springs = np.column_stack([np.arange(n - 1), np.arange(1, n)])
     pattern = SparsePattern([springs, np.arange(n)[None]], n, np.arange(n))
     chain = pattern.assemble([np.tile([1.0, -1.0, 1.0], (n - 1, 1)), np.zeros((1, n * (n + 1) // 2))])
-    values, vectors = np.linalg.eigh(symmetric(pattern, chain))
+    values, vectors = np.linalg.eigh(pattern.full(chain).toarray())
     drift = np.full((n, 1), n**-0.5)
     v = vectors[:, 5]
     i, j = np.tril_indices(n)

@@ -18,7 +18,7 @@ from asterism.equilibrium.newton.minimise import MAX_FORCING_TERM, Iteration, Mi
 
 @dataclass
 class Analytic:
-    """An energy over R^n with its derivatives written out; all steps are straight."""
+    """An energy over R^n with its derivatives written out; all steps are straight, and no motion is rigid."""
 
     value: Callable[[Floats], float]
     slope: Callable[[Floats], Floats]
@@ -48,6 +48,9 @@ class Analytic:
 
     def support(self, state: Floats) -> Ints:
         return np.array(self.held, dtype=np.int64)
+
+    def rigid_modes(self, state: Floats) -> Floats:
+        return np.zeros((self.size, 0))
 
     def path(self, state: Floats, direction: Floats) -> tuple[Callable[[float], Floats], float]:
         return (lambda a: state + a * direction), self.longest
@@ -90,12 +93,12 @@ def rosenbrock() -> Analytic:
     )
 
 
-def double_well() -> Analytic:
-    """Minima at (+-1, 0) of energy -1, a saddle between them."""
+def double_well(tilt: float = 0.0) -> Analytic:
+    """Minima at about (+-1, 0) of energy -1, a saddle between them; a positive tilt lowers the right one."""
     return Analytic(
-        lambda x: x[0] ** 4 - 2.0 * x[0] ** 2 + x[1] ** 2,
-        lambda x: [4.0 * x[0] ** 3 - 4.0 * x[0], 2.0 * x[1]],
-        lambda x: [[12.0 * x[0] ** 2 - 4.0, 0.0], [0.0, 2.0]],
+        lambda x: x[0] ** 4 - 2.0 * x[0] ** 2 - tilt * x[0] ** 3 + x[1] ** 2,
+        lambda x: [4.0 * x[0] ** 3 - 4.0 * x[0] - 3.0 * tilt * x[0] ** 2, 2.0 * x[1]],
+        lambda x: [[12.0 * x[0] ** 2 - 4.0 - 6.0 * tilt * x[0], 0.0], [0.0, 2.0]],
         2,
     )
 

@@ -6,7 +6,6 @@ import scipy.sparse as sp
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.sparse.linalg import spsolve
-from skfem import MeshTri
 
 from asterism.equilibrium.arrays import Floats
 from asterism.fem.elements.argyris import Argyris, area_load
@@ -22,9 +21,9 @@ from asterism.fem.supports.conditions import (
     impose_conditions,
     vertices_at,
 )
+from tests.fem.hexagons import RADIUS, hexagon
 from tests.fem.meshes import annulus, facets_where, rectangle, turned
 
-NU = 0.3
 STIFF = 1e7
 NU = 0.3
 
@@ -321,10 +320,9 @@ def test_both_circles_of_an_annulus() -> None:
 @pytest.mark.parametrize(("corner_deg", "bent"), [(50.0, False), (70.0, True)])
 def test_the_corner_angle_decides(corner_deg: float, bent: bool) -> None:
     """The corners of a hexagon turn by 60 degrees."""
-    corners = np.array([[np.cos(a), np.sin(a)] for a in np.arange(6) * np.pi / 3])
-    mesh = MeshTri(np.vstack([[0.0, 0.0], corners]).T, np.array([(0, i, i % 6 + 1) for i in range(1, 7)]).T)
+    mesh = hexagon(0)
     curve = edge_curve(mesh, mesh.boundary_facets(), corner_deg)
-    assert np.allclose(np.abs(curve.curvatures), 1.0 if bent else 0.0)
+    assert np.allclose(np.abs(curve.curvatures), 1.0 / RADIUS if bent else 0.0)
 
 
 def test_an_inner_curve_ends_with_its_supported_edges() -> None:

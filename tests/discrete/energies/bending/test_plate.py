@@ -22,6 +22,7 @@ from asterism.pattern.design.errors import MeshError
 from asterism.pattern.design.materials import BendingStiffness, Fabric
 from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.meshing import MeshKind, mesh_layout
+from tests.discrete.plain import full
 from tests.discrete.samples import plate as plate_sample
 from tests.discrete.test_fabric import MESHES, MODULUS, POISSON, SHAPES, SIDE, THICKNESS, area, right_triangles
 
@@ -133,11 +134,7 @@ def test_stiffness_of_a_plate_in_equilibrium(mesh, least, edge):
     points, triangles = MESHES[mesh](edge)
     elements = Plate(triangles, points, PLATE)
     flat = np.column_stack([points, np.zeros(len(points))])
-    packed = elements.hessians(flat.ravel())
-    rows, columns = np.tril_indices(18)
-    full = np.zeros((len(triangles), 18, 18))
-    full[:, rows, columns] = full[:, columns, rows] = packed
-    across = full[:, 2::3, 2::3]
+    across = full(elements.hessians(flat.ravel()))[:, 2::3, 2::3]
     vertices = elements.dofs[:, 2::3] // 3
     i, j = np.repeat(vertices, 6, axis=1).ravel(), np.tile(vertices, 6).ravel()
     stiffness = coo_array((across.ravel(), (i, j)), shape=(len(points),) * 2).tocsr()
