@@ -10,10 +10,6 @@ from contextlib import contextmanager
 class Clock:
     """Wall time of blocks, summed by part.
 
-    Attributes
-    ----------
-    seconds : wall time by part.
-
     >>> clock = Clock()
     >>> with clock("sum"):
     ...     total = sum([1, 2, 3])
@@ -22,7 +18,7 @@ class Clock:
     """
 
     def __init__(self) -> None:
-        self.seconds: dict[str, float] = {}
+        self.seconds: dict[str, float] = {}  # wall time by part
 
     @contextmanager
     def __call__(self, part: str) -> Iterator[None]:

@@ -45,23 +45,18 @@ class ContactBarrier:
     distance : mm, distance of the middle surfaces at which contact begins.
     stretch : largest stretch of the print.
     modulus : MPa, Young's modulus of the fabric: it scales the pressure.
-
-    Attributes
-    ----------
-    distance : mm, as given.
-    min_distance : mm, distance at which the energy is infinite.
-    neighbour_distance : mm, printed distance below which parts are neighbours.
     """
 
     def __init__(self, mesh: Mesh, distance: float, stretch: float, modulus: float) -> None:
         self._ipc = ipc_toolkit()
-        # the smallest distance of two middle surfaces
+        # mm, distance of two middle surfaces at which the energy is infinite
         self.distance, self.min_distance = distance, 0.5 * distance
         self._barrier_width = distance - self.min_distance
         triangles = mesh.triangles.astype(np.int32)
         edges = self._ipc.edges(triangles).astype(np.int32)
         printed = np.column_stack([mesh.points, np.zeros(len(mesh.points))])
         longest = float(np.linalg.norm(printed[edges[:, 1]] - printed[edges[:, 0]], axis=1).max())
+        # mm, printed distance below which parts are neighbours
         self.neighbour_distance = NEIGHBOUR_DISTANCE_FACTOR * (longest + stretch * distance)
         self._mesh = self._ipc.CollisionMesh(*(np.asfortranarray(a) for a in (printed, edges, triangles)))
         pairs = np.sort(cKDTree(mesh.points).query_pairs(self.neighbour_distance, output_type="ndarray"), axis=1)

@@ -169,10 +169,6 @@ class Membrane(Elements):
     fabric : its thickness, moduli and grain; its stretch does not matter.
     share : (T,) part of its energy that each triangle keeps, see `discrete.energies.membrane`; all by default.
 
-    Attributes
-    ----------
-    whole : (T, 12) `membrane_params`, which are the parameters of triangles that keep all of their energy.
-
     A triangle of 0.5 mm^2 and thickness 1 mm, stretched by 1 % in both directions. For small strain the energy is near
     `E/(1 - nu) strain^2` per volume in plane stress:
 
@@ -194,6 +190,7 @@ class Membrane(Elements):
 
     def set_rest(self, rest: Array) -> None:
         """Set the unstretched fabric (V, 2) mm."""
+        # (T, 12) `membrane_params`, which are the parameters of triangles that keep all of their energy
         self.whole = membrane_params(self._triangles, rest, self._fabric)
         self.params[:] = self.whole
         if self._share is not None:

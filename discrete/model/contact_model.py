@@ -29,13 +29,7 @@ def is_intersection_free(model: DiscreteModel, state: State) -> bool:
 
 
 class ContactModel(DiscreteModel):
-    """`DiscreteModel` with a contact barrier, and paths without intersections. Parameters as there.
-
-    Attributes
-    ----------
-    contact : the barrier.
-    pattern : sparsity pattern of the last Hessian; another object after new pairs have come into contact.
-    """
+    """`DiscreteModel` with a contact barrier, and paths without intersections. Parameters as there."""
 
     def __init__(self, design: Design, layout: Layout, mesh: Mesh) -> None:
         super().__init__(design, layout, mesh)
@@ -87,13 +81,14 @@ class ContactModel(DiscreteModel):
         if len(self._contact_keys) < 3 * len(needed):
             needed = np.union1d(needed, self._contact_keys)
         self._contact_keys = needed
+        # sparsity pattern of the last Hessian; another object after new pairs have come into contact
         self.pattern = ExtendedPattern(self._base_pattern, self._contact_keys)
 
     def _keys(self, rows: Array, columns: Array, values: Array | None = None) -> tuple[Array, Array]:
-        """(K,) keys of the entries in the lower triangle over the free dofs, and their values."""
+        """(K,) keys `column * size + row` of the entries in the lower triangle over the free dofs, and their values."""
         row, column = self._free_index[rows], self._free_index[columns]
         inside = (column >= 0) & (row >= column)
-        keys = _entry_keys(row[inside], column[inside], len(self.free))
+        keys = column[inside] * len(self.free) + row[inside]
         return keys, np.empty(0) if values is None else values[inside]
 
     def path(self, state: State, direction: Array) -> tuple[Callable[[float], State], float]:
@@ -160,7 +155,7 @@ class ExtendedPattern(SparsePattern):
     Parameters
     ----------
     base : the fixed pattern.
-    extra : (K,) keys of the further entries of the lower triangle, see `_entry_keys`.
+    extra : (K,) keys `column * size + row` of the further entries of the lower triangle.
     """
 
     def __init__(self, base: SparsePattern, extra: Ints) -> None:
@@ -188,11 +183,6 @@ class ExtendedPattern(SparsePattern):
     def add(self, data: Floats, keys: Ints, values: Floats) -> None:
         """Add values (K,) at unique keys (K,) to `data` (nnz,), in place."""
         data[np.searchsorted(self._keys, keys)] += values
-
-
-def _entry_keys(rows: Ints, columns: Ints, size: int) -> Ints:
-    """One number (K,) for each matrix entry, in column-major order (CSC)."""
-    return columns.astype(np.int64) * size + rows
 
 
 class ReanalysingFactor:

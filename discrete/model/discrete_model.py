@@ -83,14 +83,8 @@ class DiscreteModel(System):
     mesh : mesh of the layout, from `pattern.mesh.meshing.mesh_layout`.
     bending_mesh : the same mesh with what lies beyond its border, if it is periodic.
 
-    Attributes
-    ----------
-    bending : bending energy of the fabric.
-    joints : joints of the rods, and their half edges.
-    parts : the energies by name: membrane, membrane_sides with a plate, those of `bending`, rod_bending, rod_stretch,
-        rod_twist, and rod_joints if there are joints.
-    release : 0 for the stretched print, 1 for the released sheet; see `set_release`.
-    pin_progress : part of their way that the pins have moved. It equals the release, except for pins that act later.
+    `parts` has membrane, membrane_sides with a plate, those of `bending`, rod_bending, rod_stretch, rod_twist, and
+    rod_joints if there are joints.
 
     One star, as printed and not yet released: the fabric holds all the energy.
 
@@ -172,6 +166,7 @@ class DiscreteModel(System):
 
         The rest curvature and twist of the arms, the positions of the pins and the weight follow.
         """
+        # `pin_progress`: part of their way that the pins have moved; another number for pins that act later
         self.release = self.pin_progress = release
         fabric = self.design.fabric
         sx, sy = (1.0 + release * (s - 1.0) for s in fabric.stretch_xy)

@@ -30,11 +30,6 @@ class System:
     load : (3 V,) N, dead load; zero by default.
     joint_vertices : (J,) vertices of the joints; none by default.
 
-    Attributes
-    ----------
-    load_datum : (3,) mm, position at which the potential of the dead load is zero; the origin by default.
-    free : indices of the dofs that move.
-
     A spring of one rod edge (EA = 100 N, 10 mm) that carries 1 N at its end, with only that end free to move along x:
 
     >>> from asterism.discrete.energies.rods.rod import RodStretch
@@ -61,8 +56,9 @@ class System:
         self.n_dofs = len(held)
         self.load = np.zeros(3 * n_vertices) if load is None else load
         self.joint_vertices = np.empty(0, dtype=np.int64) if joint_vertices is None else joint_vertices
+        # (3,) mm, position at which the potential of the dead load is zero; the origin by default
         self.load_datum = np.zeros(3)
-        self.free = np.flatnonzero(~held)
+        self.free = np.flatnonzero(~held)  # indices of the dofs that move
 
     @cached_property
     def pattern(self) -> SparsePattern:

@@ -60,10 +60,6 @@ class Ladder:
     design, layout : the sheet.
     edge_mm : edge of a single mesh; by default the search has coarser ones, as the design says.
 
-    Attributes
-    ----------
-    tolerance_percent : of the diameter; None if the edge is given.
-
     >>> from asterism.pattern import gallery
     >>> from asterism.pattern.layout.build import layout
     >>> design = gallery.load("star")
@@ -73,6 +69,7 @@ class Ladder:
 
     def __init__(self, design: Design, layout: Layout, edge_mm: float | None = None) -> None:
         self.design, self.layout, self._single = design, layout, edge_mm
+        # of the diameter; None if the edge is given
         self.tolerance_percent = None if edge_mm or design.mesh_edge_mm else design.mesh.tolerance_percent
         self._models: list[DiscreteModel] = []
         self._edges: list[float] = []
@@ -215,6 +212,8 @@ def solve_on_meshes(
 ) -> tuple[Equilibrium, list[MeshLevel]]:
     """Find an equilibrium of a sheet, from a coarse mesh to finer ones.
 
+    The result is the equilibrium on the last model that was needed, with the effort on all levels, and these levels.
+
     Parameters
     ----------
     search : the models, and the states of an earlier search, which this one may join; if there are none, it keeps those
@@ -222,11 +221,6 @@ def solve_on_meshes(
     backend, report : as in `solve_on_mesh`.
     near : surface, bumps included, from which the coarsest mesh starts at full release, with all supports in place. If
         the model has contact and the surface intersects itself, the search starts from the print.
-
-    Returns
-    -------
-    The equilibrium on the last model that was needed, and the levels up to it. Iterations, factorisations and seconds
-    of the equilibrium are totals over all levels.
     """
     model = search.ladder.models[0]
     start: State | None = None

@@ -60,17 +60,15 @@ def interpolate_surface(printed: Array, triangles: Ints, positions: Array, point
 
     It returns (n, 3) mm. Beyond the border the nearest vertex or triangle continues.
 
+    The interpolators of scipy triangulate the points anew and would interpolate across a notch. Sheets that are not
+    convex use those of matplotlib, on the triangles of the sheet.
+
     Parameters
     ----------
     printed, positions : (V, 2) and (V, 3) mm, of the vertices.
     triangles : (T, 3) vertices.
     points : (n, 2) mm, printed points.
     smooth : C1 cubics (Clough and Tocher) with gradients of least bending; otherwise linear on triangles.
-
-    Notes
-    -----
-    The interpolators of scipy triangulate the points anew and would interpolate across a notch. Sheets that are not
-    convex use those of matplotlib, on the triangles of the sheet.
 
     >>> square = np.array([[0, 0], [1, 0], [1, 1], [0, 1.0]])
     >>> tilted = np.column_stack([square, square[:, 0]])

@@ -198,14 +198,10 @@ def physical_memory_mb() -> float:
     try:
         return os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE") / 2.0**20
     except (AttributeError, ValueError, OSError):
-        # assumed where the system does not report its memory
         return 8192.0
 
 
 def check_backend(backend: str) -> None:
-    """Refuse a backend that is unknown or not installed.
-
-    Raises `BackendError` if the backend is unknown or not installed.
-    """
+    """Raise `BackendError` if a backend is unknown or not installed."""
     if backend != "auto" and backend not in available():
         raise BackendError(f"backend: {backend!r} is not available; use auto or {' or '.join(available())}")

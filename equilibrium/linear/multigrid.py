@@ -38,10 +38,6 @@ class MultigridFactor:
     pattern : sparsity pattern of the matrices.
     make_coarse : makes the factorisation of the coarse matrix for its pattern.
     min_unknowns : smaller matrices are factorised directly.
-
-    Attributes
-    ----------
-    iterations : of conjugate gradients, in all solutions together.
     """
 
     name = "amg"
@@ -59,7 +55,7 @@ class MultigridFactor:
         self._nodes: Ints = np.arange(pattern.size)
         self._modes: Floats = np.ones((pattern.size, 1))
         self._aggregates: sp.csr_matrix | None = None
-        self.iterations = 0
+        self.iterations = 0  # of conjugate gradients, in all solutions together
 
     def set_near_nullspace(self, nodes: Ints, modes: Floats) -> None:
         """Set the modes (size, k) that the matrices nearly map to zero.
@@ -182,22 +178,16 @@ class ConjugateGradients:
     product : v -> A v, A symmetric.
     precondition : v -> M^-1 v, M symmetric and positive definite.
     b : (size,) right-hand side.
-
-    Attributes
-    ----------
-    x, residual : (size,) the present solution and b - A x.
-    energy : `r . M^-1 r` of the residual r.
-    step_length : of the last step; it lies between the inverses of the extreme eigenvalues of M^-1 A.
     """
 
     def __init__(self, product: Operator, precondition: Operator, b: Floats) -> None:
         self._product, self._precondition = product, precondition
-        self.x = np.zeros_like(b)
+        self.x = np.zeros_like(b)  # (size,) the present solution and b - A x
         self.residual = b.copy()
         z = precondition(b)
         self._direction = z
-        self.energy = float(b @ z)
-        self.step_length = 0.0
+        self.energy = float(b @ z)  # `r . M^-1 r` of the residual r
+        self.step_length = 0.0  # of the last step; it lies between the inverses of the extreme eigenvalues of M^-1 A
 
     def step(self) -> None:
         """One iteration.

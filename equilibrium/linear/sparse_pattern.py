@@ -22,12 +22,6 @@ class SparsePattern:
     n_dofs : number of all dofs.
     free : sorted indices of the free dofs; the matrix has no rows and columns of the others.
 
-    Attributes
-    ----------
-    size : number of free dofs.
-    indptr, indices : of the lower triangle, sorted; every diagonal entry is present and first in its column.
-    diagonal : (size,) places of the diagonal entries.
-
     A chain of two springs between three dofs:
 
     >>> pattern = SparsePattern([np.array([[0, 1], [1, 2]])], 3, np.arange(3))
@@ -38,7 +32,7 @@ class SparsePattern:
 
     def __init__(self, element_dofs: Sequence[Ints], n_dofs: int, free: Ints) -> None:
         self.free = np.asarray(free)
-        self.size = len(self.free)
+        self.size = len(self.free)  # number of free dofs
         reduced = np.full(n_dofs, -1, dtype=np.int32)
         reduced[self.free] = np.arange(self.size)
         structure = sp.identity(self.size, dtype=bool, format="csc")
@@ -47,8 +41,9 @@ class SparsePattern:
             pairs = (np.ones(int(inside.sum()), dtype=bool), (high[inside], low[inside]))
             structure = structure + sp.coo_matrix(pairs, shape=structure.shape).tocsc()
         structure.sort_indices()
+        # of the lower triangle, sorted; every diagonal entry is present and first in its column
         self.indices, self.indptr = structure.indices.astype(np.int32), structure.indptr.astype(np.int32)
-        self.diagonal = self.indptr[:-1]
+        self.diagonal = self.indptr[:-1]  # (size,) places of the diagonal entries
         # entries with a held dof share one slot at the end, dropped after summing
         slots = [np.empty(0, dtype=np.int32)]
         for low, high in _pairs(element_dofs, reduced):

@@ -92,11 +92,9 @@ def _lobpcg_mode(pattern: SparsePattern, data: Floats, factor: IterativeFactor, 
     size = pattern.size
     # symmetric sheets have double eigenvalues
     block = np.column_stack([start, np.random.default_rng(1).standard_normal((size, 3))])
-    low, diagonal = pattern.lower(data), data[pattern.diagonal]
-    upper = low.T
 
     def times(v: Floats) -> Floats:
-        return np.asarray(low @ v + upper @ v - (diagonal * v.T).T)
+        return pattern.product(data, v)
 
     def precondition_projected(v: Floats) -> Floats:
         # the preconditioner would amplify the modes that rounding errors leave
@@ -120,8 +118,7 @@ def _lobpcg_mode(pattern: SparsePattern, data: Floats, factor: IterativeFactor, 
 
 
 def _dense(pattern: SparsePattern, data: Floats, modes: Floats) -> Floats:
-    low = pattern.lower(data).toarray()
-    full = low + np.tril(low, -1).T
+    full = pattern.full(data).toarray()
     keep = np.eye(pattern.size) - modes @ modes.T
     # deflated modes get an eigenvalue above all others
     return np.asarray(keep @ full @ keep + (1.0 + np.abs(full).max() * pattern.size) * (np.eye(pattern.size) - keep))
@@ -130,9 +127,8 @@ def _dense(pattern: SparsePattern, data: Floats, modes: Floats) -> Floats:
 def leave_saddle(problem: Problem, state: AnyState, mode: Floats, max_change: float) -> AnyState:
     """State moved along a mode (size,) of negative curvature, to the lower side, as far as the energy decreases.
 
-    No free unknown changes by more than `max_change`.
-    At a symmetric saddle both sides are equal, and rounding errors would choose between them. A fixed pseudo-random
-    vector chooses instead.
+    No free unknown changes by more than `max_change`. At a symmetric saddle both sides are equal, and rounding errors
+    would choose between them. A fixed pseudo-random vector chooses instead.
     """
     reference = np.random.default_rng(0).standard_normal(len(mode))
     vector = mode if reference @ mode >= 0.0 else -mode

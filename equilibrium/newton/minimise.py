@@ -230,20 +230,15 @@ class Regularisation:
     shift : added to the diagonal of every matrix.
     clock : takes the time of each part.
     amount : first b.
-
-    Attributes
-    ----------
-    amount : present b; 0 is the exact Hessian.
-    proven : b with which a similar problem may begin: that of the first direction, or less if it was accepted at once.
-    factorisations : matrices given to the factor so far.
     """
 
     def __init__(self, problem: Problem, factor: Factor, shift: float, clock: Clock, amount: float) -> None:
         self._problem, self._factor, self._shift, self._clock = problem, factor, shift, clock
         self._iterative = factor if isinstance(factor, IterativeFactor) else None
-        self.amount = amount
+        self.amount = amount  # present b; 0 is the exact Hessian
+        # b with which a similar problem may begin: that of the first direction, or less if it was accepted at once
         self.proven: float | None = None
-        self.factorisations = 0
+        self.factorisations = 0  # matrices given to the factor so far
         self._was_refused = False  # a matrix of the last direction
         self._solved_norm = 0.0  # norm of the last gradient that was solved for
         self._support: Ints = np.empty(0, dtype=np.int64)
@@ -376,16 +371,22 @@ def find_minimum(
     clock = Clock()
     point = Minimum(start, np.inf, np.inf, tolerance, seconds=clock.seconds)
 
+    def descend(state: AnyState) -> Minimum:
+        return minimise(problem, state, factor, tolerance, max_iterations, shift=0.0, check_definite=False)
+
+    def counted(part: str, search: Iterate, state: AnyState) -> Minimum:
+        with clock(part):
+            result = search(state)
+        point.iterations += result.iterations
+        point.factorisations += result.factorisations
+        return result
+
     def follow(state: AnyState) -> None:
-        with clock("iterate"):
-            result = iterate(state)
-        _count(point, result)
+        result = counted("iterate", iterate, state)
         if not result.converged and max_iterations:
             point.fallbacks += 1
             lower = result.state if problem.energy(result.state) < problem.energy(state) else state
-            with clock("minimise"):
-                result = _descend(problem, lower, factor, tolerance, max_iterations)
-            _count(point, result)
+            result = counted("minimise", descend, lower)
         point.state = result.state
         point.energy = problem.energy(point.state)
         point.gradient_norm = float(np.linalg.norm(problem.gradient(point.state)))
@@ -409,22 +410,11 @@ def find_minimum(
         follow(perturbed)
         if max_iterations and not (point.converged and point.energy <= saddle_energy):
             # the iteration climbed back to a higher energy: minimise from the perturbed state instead
-            with clock("minimise"):
-                result = _descend(problem, perturbed, factor, tolerance, max_iterations)
-            _count(point, result)
+            result = counted("minimise", descend, perturbed)
             point.state, point.energy, point.gradient_norm = result.state, result.energy, result.gradient_norm
         point.saddles_left += 1
         point.lowest = None
     return point
-
-
-def _count(point: Minimum, result: Minimum) -> None:
-    point.iterations += result.iterations
-    point.factorisations += result.factorisations
-
-
-def _descend(problem: Problem, state: AnyState, factor: Factor, tolerance: float, max_iterations: int) -> Minimum:
-    return minimise(problem, state, factor, tolerance, max_iterations, shift=0.0, check_definite=False)
 
 
 def is_definite_on_support(problem: Problem, state: AnyState, data: Floats, factor: Factor) -> bool:

@@ -62,15 +62,6 @@ class Argyris:
 
     `mesh`: mesh of scikit-fem in printed mm; see `checked_mesh`.
 
-    Attributes
-    ----------
-    size : number N of scalar dofs.
-    dofs : (T, 21) of the triangles: six for each vertex (value, 1, 2, 11, 22, 12), then those of the edges 01, 12, 02.
-    vertex_dofs : (V, 6).
-    edge_dofs : (F,) the normal derivative times the edge's length, in the order of `mesh.facets`.
-    vertex_scale : (V,) mm; a vertex dof of order k is a derivative times this to the power k.
-    normals : (F, 2) unit normals of the edges, on the right of the direction from the lower to the higher vertex.
-
     The unit square has 4 x 6 vertex dofs and 5 edge dofs. The parabola `z = x^2/20` is interpolated exactly:
 
     >>> space = Argyris(MeshTri())
@@ -89,9 +80,11 @@ class Argyris:
     def __init__(self, mesh: MeshTri) -> None:
         self.mesh = mesh = checked_mesh(mesh)
         numbers = Dofs(mesh, ElementTriArgyris())
-        self.size = int(numbers.N)
+        self.size = int(numbers.N)  # number N of scalar dofs
+        # (T, 21) of the triangles: six for each vertex (value, 1, 2, 11, 22, 12), then those of the edges 01, 12, 02
         self.dofs: Ints = numbers.element_dofs.T.copy()
-        self.vertex_dofs: Ints = numbers.nodal_dofs.T.copy()
+        self.vertex_dofs: Ints = numbers.nodal_dofs.T.copy()  # (V, 6)
+        # (F,) the normal derivative times the edge's length, in the order of `mesh.facets`
         self.edge_dofs: Ints = numbers.facet_dofs[0].copy()
         corners = mesh.p.T[mesh.t.T]
         self._centre = corners.mean(axis=1)
@@ -100,11 +93,13 @@ class Argyris:
         self._scale = np.sqrt(self._areas)
         triangles_at_vertex = np.bincount(mesh.t.ravel())
         total = np.bincount(mesh.t.ravel(), np.tile(self._scale, 3))
+        # (V,) mm; a vertex dof of order k is a derivative times this to the power k
         self.vertex_scale = np.asarray(total / triangles_at_vertex, dtype=float)
         self._vertex_scales: Floats = self.vertex_scale[:, None] ** ORDERS
         ends = mesh.p.T[mesh.facets]
         along = ends[1] - ends[0]
         self._lengths: Floats = np.sqrt((along**2).sum(axis=1))
+        # (F, 2) unit normals of the edges, on the right of the direction from the lower to the higher vertex
         self.normals = np.column_stack([along[:, 1], -along[:, 0]]) / self._lengths[:, None]
         self._midpoints = 0.5 * (ends[0] + ends[1])
         self.coefficients = np.linalg.inv(self._functionals())

@@ -199,7 +199,6 @@ def _about_point(arms: Floats, loads: Floats) -> Floats:
 # 1: energy of a supported guess over that of the best one, beyond which it is left out; with 6 it may still be the best
 MAX_ENERGY_RATIO = 8.0
 SYMMETRY_BREAKING_ANGLE = np.radians(8.0)  # rad, from an axis of symmetry, which may be a saddle
-ARC_DIRECTIONS = 12  # the six axes of a hexagonal lattice and the directions halfway between them
 MIN_TURN = 0.02  # rad from end to end, below which a shape counts as flat
 MAX_TURN_ACROSS = 2.0  # rad from end to end, for caps and for the second principal direction
 
@@ -213,7 +212,7 @@ def initial_guesses(
 ) -> tuple[list[InitialGuess], list[InitialGuess]]:
     """The best guess of every kind, and the guesses of the best kind in other directions; all meet the supports.
 
-    Guesses with an energy far above the best one are left out without in-plane relaxation.
+    Both lists are sorted by energy. Guesses far above the best one are left out without in-plane relaxation.
 
     Parameters
     ----------
@@ -221,10 +220,6 @@ def initial_guesses(
     side : side of the edges; by default that of the rest curvature.
     candidates : shapes that are compared; by default those of `candidate_shapes`.
     symmetries : see `distinct_shapes`.
-
-    Returns
-    -------
-    Both lists, each sorted by energy.
     """
     fields = mean_fields(shell)
     size = shell.extent
@@ -256,8 +251,7 @@ class _Ranking:
         self.builder = builder
         self.lowest = np.inf
         self._best: dict[str, InitialGuess] = {}
-        # upper bound of the gain by in-plane relaxation
-        # energies of the flat sheet above the best guess, beyond which guesses are left out
+        # energies of the flat sheet, an upper bound of the gain by in-plane relaxation
         self._excess = 20.0 * shell.energies(shell.constrain(shell.flat))["sheet"]
         self._ratio = np.inf if shell.is_free else MAX_ENERGY_RATIO
 
@@ -401,12 +395,10 @@ def candidate_shapes(fields: MeanFields, size: float, side: Side = "auto") -> li
         larger, smaller = half + root, half - root
         name = "saddle" if smaller * length < -MIN_TURN else "bent" if smaller * length > MIN_TURN else "arc"
         if larger * length > MIN_TURN:
-            # rad from end to end; a larger angle may lead to self-intersection
-            k, m = (
-                sign * min(larger, 6.0 / length),
-                sign * float(np.clip(smaller, *(np.array([-1.0, 1.0]) * MAX_TURN_ACROSS / length))),
-            )
-            angles = np.pi * np.arange(ARC_DIRECTIONS) / ARC_DIRECTIONS
+            k = sign * min(larger, 6.0 / length)  # rad from end to end; a larger angle may lead to self-intersection
+            m = sign * float(np.clip(smaller, -MAX_TURN_ACROSS / length, MAX_TURN_ACROSS / length))
+            # the six axes of a hexagonal lattice and the directions halfway between them
+            angles = np.pi * np.arange(12) / 12
             out += [SimpleShape(name, k, angle, 0.0 if name == "arc" else m) for angle in angles]
     out += [SimpleShape("cap", sign * min(k, MAX_TURN_ACROSS / length)) for k in caps if k * length > MIN_TURN]
     return list(dict.fromkeys(out))  # the limits may make shapes equal

@@ -59,6 +59,8 @@ def mixed_newton(
 ) -> Minimum:
     """Iterate to a stationary point from a state x that meets the supports.
 
+    The result is where the iteration stopped; its energy and its Hessian are not computed.
+
     Parameters
     ----------
     x : (N, 3) mm.
@@ -67,10 +69,6 @@ def mixed_newton(
     strains : (T, Q, 6) mixed strains at x. By default they are zero, which is better for an initial guess.
     max_iterations : largest number of iterations.
     known : (N, 3) each, stationary points. A state that comes near one of them goes on from there.
-
-    Returns
-    -------
-    Where the iteration stopped: state, gradient norm, counts; its energy and its Hessian are not computed.
     """
     eps = np.zeros((*shell.assembly.weights.shape, 6)) if strains is None else strains
     result, extent = Minimum(x, np.nan, np.inf, tolerance), shell.extent
@@ -120,12 +118,7 @@ def mixed_newton(
 
 
 class Regularised:
-    """Factorises the matrices of one search, and keeps blend and shift from step to step.
-
-    Attributes
-    ----------
-    factorisations : number of factorisations, refused ones included.
-    """
+    """Factorises the matrices of one search, and keeps blend and shift from step to step."""
 
     def __init__(self, shell: Shell, factor: Factor) -> None:
         self._shell, self._factor = shell, factor
@@ -133,7 +126,7 @@ class Regularised:
         self._unit = float(shell.density.stiffness[..., 3, 3].mean()) * (np.pi / size) ** 4
         self._blend = self._shift = 0.0
         self._soft = False
-        self.factorisations = 0
+        self.factorisations = 0  # number of factorisations, refused ones included
 
     @property
     def changed(self) -> bool:

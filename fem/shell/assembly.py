@@ -30,21 +30,18 @@ class Assembly:
     ----------
     tabulation : basis functions at the quadrature points.
     size : number N of scalar dofs.
-
-    Attributes
-    ----------
-    weights, points : (T, Q) mm^2 and (T, Q, 2) mm, the quadrature.
-    pattern : sparsity pattern over the 3 N components of the position, dof by dof.
     """
 
     def __init__(self, tabulation: Tabulation, size: int) -> None:
         self.size = size
+        # (T, Q) mm^2 and (T, Q, 2) mm, the quadrature
         self.weights, self.points = tabulation.weights, tabulation.points
         self._values = tabulation.values
         self.dofs: Ints = np.ascontiguousarray(tabulation.dofs, dtype=np.int64)
         both = np.concatenate([tabulation.gradients, tabulation.hessians], axis=3)
         self._table: Floats = np.ascontiguousarray(np.swapaxes(both, 2, 3))
         self._keys, self._starts, self._places = _scalar_pattern(self.dofs, size)
+        # sparsity pattern over the 3 N components of the position, dof by dof
         self.pattern = SparsePattern.from_lower(self._blocks())
 
     def _blocks(self) -> sp.csc_matrix:
@@ -131,15 +128,11 @@ class MatrixReduction:
     ----------
     pattern : sparsity pattern of H, of size n.
     columns : (n, k) the map T from the free unknowns.
-
-    Attributes
-    ----------
-    pattern : sparsity pattern of `T' H T`, of size k.
     """
 
     def __init__(self, pattern: SparsePattern, columns: sp.csr_matrix) -> None:
         self._map: sp.csr_matrix | None = None
-        self.pattern = pattern
+        self.pattern = pattern  # sparsity pattern of `T' H T`, of size k
         size = columns.shape[1]
         if size == columns.shape[0] and (columns != sp.identity(size, format="csr")).nnz == 0:
             return

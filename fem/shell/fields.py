@@ -20,16 +20,12 @@ Field = ArrayLike | Callable[[Floats], ArrayLike]
 
 
 class FieldError(ValueError):
-    """A field that is not admissible at a point; the message names field, place and value.
-
-    Attributes
-    ----------
-    place : (2,) printed mm.
-    """
+    """A field that is not admissible at a point; the message names field, place and value."""
 
     def __init__(self, name: str, place: Floats, values: Floats, why: str) -> None:
-        super().__init__(f"{name} at ({place[0]:.4g}, {place[1]:.4g}) mm: {_row(values)} {why}")
-        self.place = place
+        row = ", ".join(f"{value:.4g}" for value in values)
+        super().__init__(f"{name} at ({place[0]:.4g}, {place[1]:.4g}) mm: ({row}) {why}")
+        self.place = place  # (2,) printed mm
 
 
 @dataclass(frozen=True)
@@ -133,7 +129,3 @@ def _check_density(density: Density, points: Floats) -> None:
         t, q, i, k = np.unravel_index(skew.argmax(), skew.shape)
         values = stiffness[t, q, [i, k], [k, i]]
         raise FieldError("stiffness", points[t, q], values, f"of strains {i} and {k} is not symmetric")
-
-
-def _row(values: Floats) -> str:
-    return "(" + ", ".join(f"{value:.4g}" for value in values) + ")"

@@ -56,17 +56,6 @@ class Shell:
     loads : (N, 3) N, dead loads, as of `fem.elements.argyris.area_load`.
     order : polynomial degree that the quadrature integrates exactly.
 
-    Attributes
-    ----------
-    flat : (N, 3) mm, the printed sheet.
-    reduction : map from the free unknowns to the states.
-    points : (T, Q, 2) mm, quadrature points, where the fields are evaluated.
-    density : energy density at these points.
-    gaussian_modulus : (T, Q) N mm, see `fem.shell.fields.Fields`.
-    pattern : sparsity pattern of the Hessian over the free unknowns.
-    force_scale : N, membrane stiffness times the square root of the area; tolerances refer to it.
-    progress : share of fields, loads and moved supports that acts; 1 unless they are applied in steps.
-
     A unit square that shrinks to 0.9 of its size: at the shrunken state energy and gradient vanish.
 
     >>> from skfem import MeshTri
@@ -87,14 +76,15 @@ class Shell:
         loads: Floats | None = None,
         order: int = QUADRATURE_ORDER,
     ) -> None:
-        self.space, self.order, self.progress = space, order, 1.0
-        self.flat, self._ones = space.flat, space.ones
-        self.reduction: Reduction = impose_conditions(space, conditions)
+        self.space, self.order = space, order
+        self.progress = 1.0  # share of fields, loads and moved supports that acts; 1 unless they are applied in steps
+        self.flat, self._ones = space.flat, space.ones  # `flat`: (N, 3) mm, the printed sheet
+        self.reduction: Reduction = impose_conditions(space, conditions)  # map from the free unknowns to the states
         tabulation = space.tabulate(order)
         self.assembly = Assembly(tabulation, space.size)
-        self.points = self.assembly.points
+        self.points = self.assembly.points  # (T, Q, 2) mm, quadrature points, where the fields are evaluated
         self._reduced = MatrixReduction(self.assembly.pattern, self.reduction.map)
-        self.pattern: SparsePattern = self._reduced.pattern
+        self.pattern: SparsePattern = self._reduced.pattern  # of the Hessian over the free unknowns
         self.loads = self._checked_loads(np.zeros((space.size, 3)) if loads is None else loads)
         self._set_fields(fields)
 
@@ -133,10 +123,12 @@ class Shell:
         """Evaluate the fields at the quadrature points; all of them are checked before one is set."""
         target, gaussian = fields.rest(self.points), fields.gaussian_modulus(self.points)
         density: Density = fields.densities(self.points)
+        # density and modulus (T, Q) N mm at the quadrature points
         self._target, self.density, self.gaussian_modulus = target, density, gaussian
         for name in ("_flat_tangent", "_flat_lower", "flat_stiffness"):  # cached properties of the old fields
             self.__dict__.pop(name, None)
         stretch = self.density.stiffness[..., [0, 1], [0, 1]].max(axis=-1).mean()
+        # N, membrane stiffness times the square root of the area; tolerances refer to it
         self.force_scale = float(stretch * np.sqrt(self.assembly.weights.sum()))
 
     def constrain(self, x: Floats) -> Floats:

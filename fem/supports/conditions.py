@@ -5,9 +5,8 @@ may clamp them: `n . dx/dnu = 0` with the target's normal n and the normal nu of
 fixes the tangent plane and leaves the stretch across the edge free. With three directions a point is fixed; with one it
 slides on a plane. All other boundaries are free (natural conditions).
 
-Each support gives linear equations for the position and its derivatives at printed points.
-They are solved for the dofs that they determine (`fem.supports.conditions`).
-Redundant equations are dropped; contradictory equations are an error.
+Each support gives linear equations for the position and its derivatives at printed points. They are solved for the dofs
+that they determine. Redundant equations are dropped; contradictory equations are an error.
 
 An edge gives equations at its ends for the value and its first and second derivative along the curve. A clamp adds the
 slope and its derivative along the curve, and the slope at the edge midpoint. On straight edges these equations
@@ -25,6 +24,7 @@ from collections import defaultdict
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import NamedTuple
 
 import numpy as np
 import scipy.sparse as sp
@@ -211,8 +211,7 @@ def _point_rows(mesh: MeshTri, points: PointSupport) -> Rows:
     )
 
 
-@dataclass(frozen=True)
-class Rows:
+class Rows(NamedTuple):
     """Equations `sum_ar weights[a, r] J_a[x_r] = right` on the jets J of the position."""
 
     triangles: Ints  # (R,) triangle whose polynomial is evaluated
@@ -231,10 +230,8 @@ class Rows:
     @classmethod
     def joined(cls, parts: Sequence[Rows]) -> Rows:
         """All equations of the parts, in their order."""
-        names = ("triangles", "points", "weights", "right")
-        if not parts:
-            return cls(np.empty(0, dtype=np.int64), np.empty((0, 2)), np.empty((0, 6, 3)), np.empty((0, 2)))
-        return cls(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
+        none = cls(np.empty(0, dtype=np.int64), np.empty((0, 2)), np.empty((0, 6, 3)), np.empty((0, 2)))
+        return cls(*(np.concatenate(columns) for columns in zip(none, *parts, strict=True)))
 
     def matrix(self, space: Argyris) -> sp.csr_matrix:
         """(R, 3N) coefficients of the dofs; those below MIN_COEFFICIENT are dropped."""
@@ -429,18 +426,18 @@ def eliminate(matrix: sp.csr_matrix, right: Floats, tolerance: float) -> Elimina
         equal_blocks.setdefault((len(rows), block.tobytes()), []).append((rows, columns))
     for (height, entries), places in equal_blocks.items():
         rows, columns = (np.array(part) for part in zip(*places, strict=True))  # a block in each row
-        solved = _solve(np.frombuffer(entries).reshape(height, -1))
+        q, inverse, pivot, row, column, weight = _solved(np.frombuffer(entries).reshape(height, -1))
         given = right[rows]
-        miss = np.abs(given - solved.q @ (solved.q.T @ given)).max(axis=2)
+        miss = np.abs(given - q @ (q.T @ given)).max(axis=2)
         if not miss.max() <= tolerance:  # nan too
             worst = np.unravel_index(miss.argmax(), miss.shape)
             raise Contradiction(int(rows[worst]), float(miss[worst]))
-        pivots = columns[:, solved.pivots]
+        pivots = columns[:, pivot]
         eliminated[pivots] = True
-        constant[pivots] = solved.given @ given
-        rows_out.append(pivots[:, solved.row].ravel())
-        columns_out.append(columns[:, solved.column].ravel())
-        entries_out.append(np.tile(solved.weight, len(rows)))
+        constant[pivots] = inverse @ given
+        rows_out.append(pivots[:, row].ravel())
+        columns_out.append(columns[:, column].ravel())
+        entries_out.append(np.tile(weight, len(rows)))
     free = np.flatnonzero(~eliminated)
     number = np.full(size, -1)
     number[free] = np.arange(len(free))
@@ -450,31 +447,20 @@ def eliminate(matrix: sp.csr_matrix, right: Floats, tolerance: float) -> Elimina
     return Elimination(mapping, constant, free)
 
 
-@dataclass(frozen=True)
-class _Solved:
-    """A block of equations, solved: `x[pivots] = given @ right + W x`, W with entries (row, column, weight).
+def _solved(block: Floats) -> tuple[Floats, Floats, Ints, Ints, Ints, Floats]:
+    """A block of equations, solved by QR with column pivoting: `x[pivots] = inverse @ right + W x`.
 
-    The columns of `q` are an orthonormal basis of the range of the block.
+    An orthonormal basis of the range of the block, as columns, the inverse, the pivots, and rows, columns and weights
+    of the entries of W.
     """
-
-    q: Floats
-    given: Floats
-    pivots: Ints
-    row: Ints
-    column: Ints
-    weight: Floats
-
-
-def _solve(block: Floats) -> _Solved:
-    """Solve a block by QR with column pivoting."""
     q, r, order = qr(block, mode="economic", pivoting=True, check_finite=False)
     # a smaller pivot, over the largest one, belongs to a redundant equation
     rank = int(np.sum(np.abs(np.diag(r)) > 1e-9 * abs(r[0, 0])))
     q = q[:, :rank]
     solved = np.linalg.solve(r[:rank, :rank], np.hstack([q.T, -r[:rank, rank:]]))
-    given, weights = solved[:, : len(block)], solved[:, len(block) :]
+    weights = solved[:, len(block) :]
     i, j = np.nonzero(np.abs(weights) >= 10.0**-COEFFICIENT_DIGITS)
-    return _Solved(q, given, order[:rank], i, order[rank:][j], weights[i, j])
+    return q, solved[:, : len(block)], order[:rank], i, order[rank:][j], weights[i, j]
 
 
 def _blocks(matrix: sp.csr_matrix) -> Iterator[tuple[Ints, Ints, Floats]]:

@@ -106,16 +106,14 @@ class UnitCell(System):
     stars differ, or gravity is on. Raises `DesignError` or `MeshError` as `cell_mesh`, `motif_graph` and
     `motif_cell_mesh` do.
 
+    All nodes of a motif at which rods end are joints with a frame of their own, also those at which one rod goes on as
+    another: two half edges in one line have the energy of a stencil.
+
     Parameters
     ----------
     design : materials, lattice, and the star or the motif; their sizes are numbers.
     edge_mm : of the mesh.
     repeat : stars or motifs along A1 and A2.
-
-    Notes
-    -----
-    All nodes of a motif at which rods end are joints with a frame of their own, also those at which one rod goes on as
-    another: two half edges in one line have the energy of a stencil.
     """
 
     def __init__(self, design: Design, edge_mm: float, repeat: tuple[int, int] = (1, 1)) -> None:

@@ -347,16 +347,14 @@ def rest_curvature(
 ) -> NDArray[np.float64]:
     """Curvature (1/mm) about the width axis of a released arm without neighbours; positive bends the tips down.
 
+    The sum of `bilayer_curvature` and `kappa_bar`; `none` is `kappa_bar` alone. Along an arm of direction t on a fabric
+    stretched by sx and sy, `1/s^2` is the fabric's released metric `tx^2/sx^2 + ty^2/sy^2`. E2 is the fabric's modulus
+    along the arm, see `_strip`.
+
     Parameters
     ----------
     thickness_mm : (...) h1, thickness of the plastic.
     direction : (..., 2) unit vectors along the arms in print coordinates; needed if it makes a difference.
-
-    Notes
-    -----
-    The sum of `bilayer_curvature` and `kappa_bar`; `none` is `kappa_bar` alone. Along an arm of direction t on a fabric
-    stretched by sx and sy, `1/s^2` is the fabric's released metric `tx^2/sx^2 + ty^2/sy^2`. E2 is the fabric's modulus
-    along the arm, see `_strip`.
     """
     h1 = np.asarray(thickness_mm, dtype=float)
     residual = residual_curvature(h1, plastic.kappa_bar_per_mm)
@@ -377,17 +375,15 @@ def rest_twist(thickness_mm: ArrayLike, fabric: Fabric, plastic: Plastic, direct
     It is 0 on fabric that is the same in all directions and stretched equally, and for arms along x or y, if the grain
     lies along x or y.
 
-    Parameters
-    ----------
-    thickness_mm : (...) h1, thickness of the plastic.
-    direction : (..., 2) unit vectors t along the arms in print coordinates.
-
-    Notes
-    -----
     The shear force of the fabric acts at the same distance from the middle of the plastic as its tension does, and a
     thin strip of plastic resists the twisting moment as it resists the bending moment, with shear moduli in place of
     Young's moduli. Hence it is `bilayer_curvature` with the ratio of the shear moduli. A positive twist turns the
     plastic's normal clockwise about t, by this angle for each mm along t.
+
+    Parameters
+    ----------
+    thickness_mm : (...) h1, thickness of the plastic.
+    direction : (..., 2) unit vectors t along the arms in print coordinates.
 
     >>> along = np.array([[1.0, 0.0], [np.sqrt(0.5), np.sqrt(0.5)], [np.sqrt(0.5), -np.sqrt(0.5)]])
     >>> (1e5 * rest_twist(0.3, Fabric(stretch=(1.35, 1.2)), Plastic(), along)).round().astype(int).tolist()

@@ -23,16 +23,11 @@ class DrawingError(Error, ValueError):
 
 
 class NoUnitError(DrawingError):
-    """A drawing without a unit of length; it can be read with one.
-
-    Attributes
-    ----------
-    problem : the message without the sizes that units give.
-    """
+    """A drawing without a unit of length; it can be read with one."""
 
     def __init__(self, problem: str, sizes: str) -> None:
         super().__init__(f"{problem}, or its unit here: units = {sizes}")
-        self.problem = problem
+        self.problem = problem  # the message without the sizes that units give
 
 
 class DrawingWarning(UserWarning):

@@ -11,15 +11,13 @@ from asterism.pattern.layout.layout import Layout
 def roll_axis_from_normals(layout: Layout, normal: Floats, almost: bool = False) -> float | None:
     """Axis of a rolled sheet in printed coordinates, 0 to 180 deg from the x axis; None for other shapes.
 
+    At every star, a linear map W (3, 2) of the printed place is fitted to the change of the normal from star to star.
+    The mean of W^T W has one large eigenvalue if the sheet bends about one axis only. A roll bends to one side.
+
     Parameters
     ----------
     normal : (S, 3) unit normals at the layout's `sample_points`: the star centres, or points of a drawing.
     almost : accept sheets that are almost rolled.
-
-    Notes
-    -----
-    At every star, a linear map W (3, 2) of the printed place is fitted to the change of the normal from star to star.
-    The mean of W^T W has one large eigenvalue if the sheet bends about one axis only. A roll bends to one side.
     """
     points, neighbours = layout.sample_points, layout.sample_pairs
     pairs = np.concatenate([neighbours, neighbours[:, ::-1]])

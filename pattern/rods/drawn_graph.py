@@ -352,7 +352,8 @@ def _joined(lines: list[Floats], join_mm: float) -> list[Floats]:
     places = np.array([lines[number][at] for number, at in key]).reshape(-1, 2)
     node, merged = clusters(places, join_mm)
     size = np.bincount(node, minlength=len(merged))
-    fixed = {int(node[i]): places[i] for i, (number, at) in enumerate(key) if not _is_end(lines[number], int(at))}
+    open_ends = {(number, at % len(lines[number])) for number, at in ends}
+    fixed = {int(node[i]): places[i] for i, (number, at) in enumerate(key) if (number, int(at)) not in open_ends}
     target = {k: fixed.get(k, merged[k]) for k in range(len(merged))}
     cluster_of = {(number, int(at)): int(node[i]) for i, (number, at) in enumerate(key)}
     loose = []
@@ -376,10 +377,6 @@ def _joined(lines: list[Floats], join_mm: float) -> list[Floats]:
         lines[number][at] = foot_place
         lines[nearest] = _with_point(lines[nearest], foot_place)
     return lines
-
-
-def _is_end(line: Floats, at: int) -> bool:
-    return not is_closed(line) and at in (0, len(line) - 1)
 
 
 def _with_point(line: Floats, place: Floats) -> Floats:

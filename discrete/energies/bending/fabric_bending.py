@@ -68,7 +68,7 @@ def _set_rest_of_hinges(
 def _plate(mesh: BendingMesh, stiffness: BendingStiffness) -> dict[str, Elements]:
     hinges = mesh.hinges
     return {
-        "plate": Plate(mesh.triangles, mesh.printed, stiffness, surrounding=mesh.surrounding),
+        "plate": Plate(mesh.triangles, mesh.printed, stiffness, mesh.surrounding),
         "folds": Hinges(hinges, 0.0, fold_coefficients(hinges, mesh.printed, stiffness.mean)),
     }
 

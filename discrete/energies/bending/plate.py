@@ -128,15 +128,11 @@ def _products(first: Array) -> Array:
     )
 
 
-def _barycentric(points: Array, triangles: Array, first: Array, extra: Array) -> Array:
-    """(T, 3, 3) barycentric coordinates (last axis) of the three extra vertices."""
-    step = points[extra] - points[triangles[:, :1]]
-    return np.asarray(np.einsum("tjk,tqk->tqj", first, step) + np.array([1.0, 0.0, 0.0]))
-
-
 def _quadratic(points: Array, triangles: Array, first: Array, products: Array, extra: Array) -> tuple[Array, Array]:
     """Second derivatives (T, 3, 3) for unit heights of the extra vertices, and gain (T,); infinite on a conic."""
-    weight = _barycentric(points, triangles, first, extra)
+    # barycentric coordinates (T, 3, 3) of the extra vertices, the last axis
+    step = points[extra] - points[triangles[:, :1]]
+    weight = np.einsum("tjk,tqk->tqj", first, step) + np.array([1.0, 0.0, 0.0])
     value = np.roll(weight, -1, axis=2) * np.roll(weight, -2, axis=2)
     # the inverse by cofactors, which for many small matrices is faster than a library's
     cofactors = np.cross(np.roll(value, -1, axis=1), np.roll(value, -2, axis=1))
@@ -391,7 +387,6 @@ class Plate(Elements):
     triangles : (T, 3) vertices, counterclockwise.
     printed : (V, 2) mm; any image of the rest shape with other scales of x and y gives the same curvatures.
     stiffness : along x (11) and y (22) of the print.
-    area_ratio : rest area over printed area.
     surrounding : (R, 3) triangles next to these, whose vertices belong to patches; they have no energy.
 
     A paraboloid of curvature 0.001/mm has the energy `D (1 + nu) k^2` per area; here D = 8 N mm, A = sqrt(3) mm^2:
@@ -409,12 +404,7 @@ class Plate(Elements):
     sweep = staticmethod(sweep(18, 18, *formulas))
 
     def __init__(
-        self,
-        triangles: Array,
-        printed: Array,
-        stiffness: BendingStiffness,
-        area_ratio: float = 1.0,
-        surrounding: Array | None = None,
+        self, triangles: Array, printed: Array, stiffness: BendingStiffness, surrounding: Array | None = None
     ) -> None:
         patch = patches(triangles, printed, surrounding)
         count = len(triangles)
@@ -423,7 +413,6 @@ class Plate(Elements):
         params = np.column_stack([self._printed, gradients, second])
         dofs = (3 * patch.vertices[:, :, None] + np.arange(3)).reshape(count, 18)
         super().__init__(dofs, dofs, params)
-        self.set_rest_area(area_ratio)
 
     def set_rest_area(self, area_ratio: float) -> None:
         """Set the rest area over the printed area, the same for all patches."""

@@ -16,7 +16,7 @@ from __future__ import annotations
 import numpy as np
 
 from asterism.discrete.energies.elements import Elements
-from asterism.discrete.energies.kernel import combine, cross, formula, point, sweep
+from asterism.discrete.energies.kernel import combine, cross, formula, point, sub, sweep
 from asterism.discrete.energies.rods.rod import (
     bend_energy,
     bend_gradient,
@@ -37,23 +37,8 @@ def _start(q, p):  # type: ignore[no-untyped-def]
 @formula
 def _stencil(q, start):  # type: ignore[no-untyped-def]
     """Coordinates and directors of the stencil: a unit edge along `start` into the joint, then the edge of the rod."""
-    return (
-        q[0] - start[0],
-        q[1] - start[1],
-        q[2] - start[2],
-        q[0],
-        q[1],
-        q[2],
-        q[3],
-        q[4],
-        q[5],
-        q[12],
-        q[13],
-        q[14],
-        q[6],
-        q[7],
-        q[8],
-    )
+    x0 = point(q, 0)
+    return sub(x0, start) + x0 + point(q, 1) + point(q, 4) + point(q, 2)
 
 
 @formula

@@ -32,6 +32,10 @@ def rod_network(
 ) -> RodNetwork:
     """Edges and stencils of rods along vertex paths.
 
+    At a junction of N rods each rod splits into N - 1 copies, one for each other rod. Each of the N (N - 1)/2 pairs
+    bends and twists with weight 1/(N - 1). Three arms have the paper's weight 1/2 (section 3.2); two arms are one
+    straight rod.
+
     Parameters
     ----------
     paths : one path of vertices for each rod.
@@ -39,12 +43,6 @@ def rod_network(
     printed : (V, 2) mm.
     links : pairs of ends (rod, 0 for its start or 1 for its end) at the same vertex, at which one rod goes on as
         another, or a closed rod as itself.
-
-    Notes
-    -----
-    At a junction of N rods each rod splits into N - 1 copies, one for each other rod. Each of the N (N - 1)/2 pairs
-    bends and twists with weight 1/(N - 1). Three arms have the paper's weight 1/2 (section 3.2); two arms are one
-    straight rod.
 
     Three arms of one edge each from vertex 0:
 
@@ -261,13 +259,9 @@ def fitted_frames(joints: JointNetwork, edges: Array, printed: Array, positions:
 
 
 def torsion_constant(width: Array, thickness: Array) -> Array:
-    """Saint-Venant's torsion constant J of rectangles.
+    """(...) mm^4, Saint-Venant's torsion constant J of rectangles of width and thickness (...) mm, in any order.
 
-    `width`, `thickness`: (...) mm, in any order.
-
-    Returns
-    -------
-    (...) mm^4. The series of Timoshenko and Goodier, Theory of Elasticity, section 109, up to terms below 1e-9.
+    The series of Timoshenko and Goodier, Theory of Elasticity, section 109, up to terms below 1e-9.
 
     The square has J = 0.1406 a^4, a thin strip nearly a b^3/3:
 

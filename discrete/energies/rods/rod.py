@@ -155,6 +155,17 @@ def bend_gradient(q, p, g):  # type: ignore[no-untyped-def]
 
 
 @formula
+def _add_blocks(h, r, c, ee, ef, fe, ff):  # type: ignore[no-untyped-def]
+    """Add second derivatives by components r and c of `e = x1 - x0` and `f = x2 - x1` to h (lower triangle)."""
+    h[r, c] += ee
+    h[3 + r, c] += fe - ee
+    h[3 + r, 3 + c] += ee - ef - fe + ff
+    h[6 + r, c] -= fe
+    h[6 + r, 3 + c] += fe - ff
+    h[6 + r, 6 + c] += ff
+
+
+@formula
 def _add_curvature_hessian(te, tf, le, lf, chi, u0, u1, v0, v1, p, scale, h):  # type: ignore[no-untyped-def]
     """Add `scale` times the second derivatives of the curvature about u to h (lower triangle)."""
     k = _curvature(te, tf, chi, u0, u1)
@@ -183,13 +194,7 @@ def _add_curvature_hessian(te, tf, le, lf, chi, u0, u1, v0, v1, p, scale, h):  #
             ) * (scale / (lf * lf))
             ef = (tt - a[r] * t[c] + t[r] * b[c] - k / chi * (delta + te[r] * tf[c]) - spin[r][c]) * (scale / (le * lf))
             fe = (tt - a[c] * t[r] + t[c] * b[r] - k / chi * (delta + te[c] * tf[r]) - spin[c][r]) * (scale / (le * lf))
-            # e = x1 - x0, f = x2 - x1
-            h[r, c] += ee
-            h[3 + r, c] += fe - ee
-            h[3 + r, 3 + c] += ee - ef - fe + ff
-            h[6 + r, c] -= fe
-            h[6 + r, 3 + c] += fe - ff
-            h[6 + r, 6 + c] += ff
+            _add_blocks(h, r, c, ee, ef, fe, ff)
     for j in range(2):
         v = v0 if j == 0 else v1
         u_twist = u0 if j == 0 else u1
@@ -304,12 +309,7 @@ def twist_hessian(q, p, blend, h):  # type: ignore[no-untyped-def]
             ff = -0.25 * scale / (lf * lf) * (kb[r] * at_f[c] + at_f[r] * kb[c])
             ef = 0.5 * scale / (le * lf) * (2.0 / chi * spin[r][c] - kb[r] * t[c])
             fe = 0.5 * scale / (le * lf) * (2.0 / chi * spin[c][r] - kb[c] * t[r])
-            h[r, c] += ee
-            h[3 + r, c] += fe - ee
-            h[3 + r, 3 + c] += ee - ef - fe + ff
-            h[6 + r, c] -= fe
-            h[6 + r, 3 + c] += fe - ff
-            h[6 + r, 6 + c] += ff
+            _add_blocks(h, r, c, ee, ef, fe, ff)
 
 
 class RodTwist(Elements):
