@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from scipy.sparse.linalg import spsolve
 
 from asterism.equilibrium.arrays import Floats, Ints
-from asterism.homogenize.cell.periodic_mesh import TOUCHING_TOLERANCE, MeshPath, PeriodicMesh, PeriodicTriangles, Tiles
+from asterism.homogenize.cell.periodic_mesh import TOUCHING_TOLERANCE, MeshPath, PeriodicMesh, PeriodicTriangles, tiled
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.plane_lattice import GRID_DIRECTIONS
 from asterism.pattern.mesh.graded_mesh import MIN_SPRING_WEIGHT, Grading, half_cotangents
@@ -71,9 +71,7 @@ def aligned_cell_mesh(
     for direction in directions:
         along = np.arange(links.segments[direction] + 1)[:, None] * GRID_DIRECTIONS[direction]
         arms.append(MeshPath((along % k) @ [k, 1], along // k))
-    return Tiles(PeriodicTriangles(points, lattice_vectors, corner, image), repeat).mesh(
-        arms, surrounded, of_stars=True
-    )
+    return tiled(PeriodicTriangles(points, lattice_vectors, corner, image), repeat, arms, surrounded, of_stars=True)
 
 
 def edges_per_spacing(lattice_vectors: Floats, directions: Ints, lengths: Floats, edge_mm: float) -> int:

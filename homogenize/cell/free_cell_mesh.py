@@ -22,7 +22,7 @@ from asterism.homogenize.cell.conforming_triangulation import (
     home,
     nearest_image,
 )
-from asterism.homogenize.cell.periodic_mesh import TOUCHING_TOLERANCE, MeshPath, PeriodicMesh, Tiles
+from asterism.homogenize.cell.periodic_mesh import TOUCHING_TOLERANCE, MeshPath, PeriodicMesh, tiled
 from asterism.homogenize.cell.point_group import NEIGHBOUR_STEPS, POINT_GROUP_TOLERANCE, MirrorLine, mirror_lines
 from asterism.pattern.design.errors import MeshError
 from asterism.pattern.geometry.planar import distance_to_segment
@@ -65,7 +65,7 @@ def free_cell_mesh(
     edge_mm = min(edge_mm, float(np.linalg.norm(vectors, axis=1).min()) / 3.0)
     frame, arms = _frame(vectors, directions, length, edge_mm)
     frame = _with_symmetry(frame, group, _nearby_arms(frame, directions, length), edge_mm)
-    return Tiles(conforming_triangulation(frame, edge_mm), repeat).mesh(arms, surrounded, of_stars=True)
+    return tiled(conforming_triangulation(frame, edge_mm), repeat, arms, surrounded, of_stars=True)
 
 
 def _frame(
@@ -126,8 +126,8 @@ class NearbyArms:
     # a, b: (n, 2) mm, centre and tip of each arm.
     a: Floats
     b: Floats
-    points: Floats  # (m, 2) mm, the mesh points on the arms; centres : (c, 2) mm, those that are centres of stars
-    centres: Floats
+    points: Floats  # (m, 2) mm, the mesh points on the arms
+    centres: Floats  # (c, 2) mm, those that are centres of stars
 
 
 def _with_symmetry(frame: MeshConstraints, group: Floats, arms: NearbyArms, edge_mm: float) -> MeshConstraints:
@@ -266,7 +266,7 @@ def motif_cell_mesh(
     vectors = motif.vectors
     edge_mm = min(edge_mm, float(np.linalg.norm(vectors, axis=1).min()) / 3.0)
     constraints, paths = _constraints(motif, edge_mm)
-    return Tiles(conforming_triangulation(constraints, edge_mm), repeat).mesh(paths, surrounded, of_stars=False)
+    return tiled(conforming_triangulation(constraints, edge_mm), repeat, paths, surrounded, of_stars=False)
 
 
 def _constraints(motif: MotifGraph, edge_mm: float) -> tuple[MeshConstraints, list[MeshPath]]:

@@ -36,54 +36,51 @@ CELLS_AROUND = np.array([[i, j] for i in (-1, 0, 1) for j in (-1, 0, 1)])
 class MeshPath:
     """A path over the points of a cell, along a rod."""
 
-    point: Ints  # (n,) points; image : (n, 2) their images
-    image: Ints
+    point: Ints  # (n,) points
+    image: Ints  # (n, 2) their images
 
 
-class Tiles:
-    """The triangles of one cell in n x m cells."""
+def tiled(
+    mesh: PeriodicTriangles, repeat: tuple[int, int], paths: list[MeshPath], surrounded: bool, of_stars: bool
+) -> PeriodicMesh:
+    """The mesh of n x m cells, with these arms on every star, or these rods in every cell; stars are at point 0.
 
-    def __init__(self, triangles: PeriodicTriangles, repeat: tuple[int, int]) -> None:
-        self._triangles = triangles
-        self._cells = np.array([[i, j] for i in range(repeat[0]) for j in range(repeat[1])])
-        self._repeat = np.array(repeat)
+    `surrounded`: with the triangles around, whose points are then unfolded too.
+    """
+    cells = np.array([[i, j] for i in range(repeat[0]) for j in range(repeat[1])])
 
-    def _all(self, point: Ints, image: Ints) -> Ints:
-        """(n m E, k, 3) base point and image of points (E, k) with images (E, k, 2), in every cell."""
-        where = self._cells[:, None, None] + image
-        away, home = where // self._repeat, where % self._repeat
-        base = (home[..., 0] * self._repeat[1] + home[..., 1]) * len(self._triangles.points) + point
+    def in_all_cells(point: Ints, image: Ints) -> Ints:
+        """(n m E, k, 3) base point and image of points (E, k) with images (E, k, 2)."""
+        away, home = np.divmod(cells[:, None, None] + image, repeat)
+        base = (home[..., 0] * repeat[1] + home[..., 1]) * len(mesh.points) + point
         return np.concatenate([base[..., None], away], axis=-1).reshape(-1, point.shape[1], 3)
 
-    def mesh(self, paths: list[MeshPath], surrounded: bool, of_stars: bool) -> PeriodicMesh:
-        """The whole mesh, with these arms on every star, or these rods in every cell; stars are at point 0."""
-        mesh = self._triangles
-        point, image = _pairs(mesh)
-        # a hinge from either side is the same: that whose edge has the lower name
-        there, back = mesh.edges()
-        once = there < back
-        from_base = image - image[:, :1]
-        star = np.zeros((int(of_stars), 1), dtype=np.int64)
-        parts = [(star, np.zeros((*star.shape, 2), dtype=np.int64)), (mesh.corner, mesh.image)]
-        parts += [(point[once], from_base[once]), *((path.point[None], path.image[None]) for path in paths)]
-        parts.append(_touching(mesh) if surrounded else (mesh.corner[:0], mesh.image[:0]))
-        n_base = len(self._cells) * len(mesh.points)
-        (stars, triangles, hinges, *rods, beside), base, away = _numbered([self._all(*each) for each in parts], n_base)
-        cell = mesh.vectors * self._repeat[:, None]
-        tiled = (mesh.points + (self._cells @ mesh.vectors)[:, None]).reshape(-1, 2)
-        return PeriodicMesh(
-            points=tiled[base] + away @ cell,
-            base=base,
-            image=away,
-            triangles=triangles,
-            around=new_triangles(beside, triangles),
-            hinges=hinges,
-            rods=tuple(rod for of_cell in zip(*rods, strict=True) for rod in of_cell),
-            arm_star=np.repeat(np.arange(len(stars)), len(paths)),
-            star_vertices=stars[:, 0],
-            cell_vectors=cell,
-            n_base=n_base,
-        )
+    point, image = _pairs(mesh)
+    # a hinge from either side is the same: that whose edge has the lower name
+    there, back = mesh.edges()
+    once = there < back
+    from_base = image - image[:, :1]
+    star = np.zeros((int(of_stars), 1), dtype=np.int64)
+    parts = [(star, np.zeros((*star.shape, 2), dtype=np.int64)), (mesh.corner, mesh.image)]
+    parts += [(point[once], from_base[once]), *((path.point[None], path.image[None]) for path in paths)]
+    parts.append(_touching(mesh) if surrounded else (mesh.corner[:0], mesh.image[:0]))
+    n_base = len(cells) * len(mesh.points)
+    (stars, triangles, hinges, *rods, beside), base, away = _numbered([in_all_cells(*each) for each in parts], n_base)
+    vectors = mesh.vectors * np.array(repeat)[:, None]
+    points = (mesh.points + (cells @ mesh.vectors)[:, None]).reshape(-1, 2)
+    return PeriodicMesh(
+        points=points[base] + away @ vectors,
+        base=base,
+        image=away,
+        triangles=triangles,
+        around=new_triangles(beside, triangles),
+        hinges=hinges,
+        rods=tuple(rod for of_cell in zip(*rods, strict=True) for rod in of_cell),
+        arm_star=np.repeat(np.arange(len(stars)), len(paths)),
+        star_vertices=stars[:, 0],
+        cell_vectors=vectors,
+        n_base=n_base,
+    )
 
 
 def _touching(mesh: PeriodicTriangles) -> tuple[Ints, Ints]:

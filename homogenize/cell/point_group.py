@@ -98,10 +98,10 @@ def keeps_grid_lines(lattice: Lattice) -> bool:
 class MirrorLine:
     """One class of mirror lines of the sheet: all others of the class are images by lattice vectors."""
 
-    point: Floats  # (2,) mm, on the line; direction : (2,) unit vector along it
-    direction: Floats
-    length: float  # mm, after which the line repeats; offset_step : mm, smallest distance of two lines of the class
-    offset_step: float
+    point: Floats  # (2,) mm, on the line
+    direction: Floats  # (2,) unit vector along it
+    length: float  # mm, after which the line repeats
+    offset_step: float  # mm, smallest distance of two lines of the class
 
     @property
     def normal(self) -> Floats:
