@@ -408,8 +408,8 @@ def eliminate(matrix: sp.csr_matrix, right: Floats, tolerance: float) -> Elimina
     empty = largest == 0.0
     wrong = empty & ~(np.abs(right).max(axis=1) <= tolerance)  # nan too
     if wrong.any():
-        row = int(wrong.argmax())
-        raise Contradiction(row, float(np.abs(right[row]).max()))
+        first = int(wrong.argmax())
+        raise Contradiction(first, float(np.abs(right[first]).max()))
     scale = np.where(empty, 1.0, largest)
     matrix = sp.csr_matrix(sp.diags_array(1.0 / scale) @ matrix)
     matrix.data = np.round(matrix.data, COEFFICIENT_DIGITS)

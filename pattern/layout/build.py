@@ -119,9 +119,9 @@ def _of_stars(design: Design) -> Layout:
 
     full, (tips, too_long) = tips, cut(centres[star], tips, corners, design.border.tip_margin_mm, holes)
     if len(too_long) and design.border.overhang == "refuse":
-        first, kept = star[too_long[0]], f"(keeping {design.border.tip_margin_mm:g} mm)"
+        first, margin = star[too_long[0]], f"(keeping {design.border.tip_margin_mm:g} mm)"
         at = centres[first]
-        problem = f"lets no arm leave the sheet {kept}, but one of star {first} at {shown_place(at)} does"
+        problem = f"lets no arm leave the sheet {margin}, but one of star {first} at {shown_place(at)} does"
         raise DesignError("border.overhang", problem, design.border.overhang, stars=[first], place_mm=at)
     part = np.linalg.norm(tips - centres[star], axis=1) / np.linalg.norm(full - centres[star], axis=1)
     thickness, width = (
