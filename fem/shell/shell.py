@@ -125,7 +125,7 @@ class Shell:
         density: Density = fields.densities(self.points)
         # density and modulus (T, Q) N mm at the quadrature points
         self._target, self.density, self.gaussian_modulus = target, density, gaussian
-        for name in ("_flat_tangent", "_flat_lower", "flat_stiffness"):  # cached properties of the old fields
+        for name in ("_flat_tangent", "flat_stiffness"):  # cached properties of the old fields
             self.__dict__.pop(name, None)
         stretch = self.density.stiffness[..., [0, 1], [0, 1]].max(axis=-1).mean()
         # N, membrane stiffness times the square root of the area; tolerances refer to it
@@ -265,22 +265,13 @@ class Shell:
         return self.assembly.tangent(self.flat, self.density.stiffness, stress)
 
     @cached_property
-    def _flat_lower(self) -> sp.csc_matrix:
-        return self.assembly.pattern.lower(self._flat_tangent)
-
-    @cached_property
-    def _flat_upper(self) -> sp.csr_matrix:
-        return self._flat_lower.T
-
-    @cached_property
     def flat_stiffness(self) -> Floats:
         """(nnz,) N/mm, linear stiffness of the printed sheet without stress, over the free unknowns."""
         return self._reduced(self._flat_tangent)
 
     def flat_forces(self, moves: Floats) -> Floats:
         """(n,) N, forces over the free unknowns of the printed sheet under small displacements (N, 3) mm."""
-        low, x = self._flat_lower, moves.ravel()
-        return self.restrict(low @ x + self._flat_upper @ x - self._flat_tangent[self.assembly.pattern.diagonal] * x)
+        return self.restrict(self.assembly.product(self._flat_tangent, moves))
 
     def path(self, x: Floats, direction: Floats) -> tuple[Callable[[float], Floats], float]:
         """States along a straight line from x, as a function of the step, and the longest step."""

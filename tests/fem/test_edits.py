@@ -10,6 +10,7 @@ from asterism.fem.elements.argyris import Argyris
 from asterism.fem.search.linear_response import linear_response
 from asterism.fem.search.mixed_newton import MAX_STEP
 from asterism.fem.search.relax import follow, relax
+from asterism.fem.shell.density import Density
 from asterism.fem.shell.fields import Fields, of_stretch
 from asterism.fem.shell.shell import Shell
 from asterism.fem.supports.conditions import PointSupport
@@ -53,7 +54,7 @@ def test_with_fields_shares_the_pattern_and_leaves_the_first_shell_unchanged() -
     loads = point_load(Argyris(hexagon(1)), np.zeros(2), np.array([0.0, 0.0, 1e-3]))
     shell = Shell(Argyris(hexagon(1)), dome(0.0))
     x = shell.flat + 0.1 * np.random.default_rng(0).normal(size=shell.flat.shape)
-    before, stiffness = shell.energies(x), shell.flat_stiffness.copy()
+    before, stiffness, forces = shell.energies(x), shell.flat_stiffness.copy(), shell.flat_forces(x)
     edited, fresh = shell.with_fields(dome(0.01), loads), Shell(shell.space, dome(0.01), loads=loads)
     assert edited.pattern is shell.pattern
     assert edited.energies(x) == fresh.energies(x) != before
@@ -61,6 +62,8 @@ def test_with_fields_shares_the_pattern_and_leaves_the_first_shell_unchanged() -
         assert np.array_equal(getattr(edited, array)(x), getattr(fresh, array)(x))
     assert np.array_equal(edited.flat_stiffness, fresh.flat_stiffness)
     assert shell.energies(x) == before and np.array_equal(shell.flat_stiffness, stiffness)
+    stiffer = shell.with_fields(of_stretch(Density(2.0 * density().stiffness), 0.8))
+    assert np.allclose(stiffer.flat_forces(x), 2.0 * forces) and np.array_equal(shell.flat_forces(x), forces)
     assert not shell.loads.any()
     with pytest.raises(ValueError, match="loads"):
         shell.with_fields(dome(0.0), loads[:-1])
