@@ -23,9 +23,6 @@ class _Nesting:
     limit: Any = None
 
 
-_nesting = _Nesting()
-
-
 @contextmanager
 def one_blas_thread() -> Iterator[None]:
     """Limit OpenBLAS to one thread; a context manager and a decorator.
@@ -33,17 +30,17 @@ def one_blas_thread() -> Iterator[None]:
     The number of threads belongs to the process. The first Python thread that enters sets the limit, and the last one
     that leaves restores the former number.
     """
-    with _nesting.lock:
-        _nesting.count += 1
-        if _nesting.count == 1:
-            _nesting.limit = _openblas().limit(limits=1)
+    with _Nesting.lock:
+        _Nesting.count += 1
+        if _Nesting.count == 1:
+            _Nesting.limit = _openblas().limit(limits=1)
     try:
         yield
     finally:
-        with _nesting.lock:
-            _nesting.count -= 1
-            if _nesting.count == 0:
-                _nesting.limit.restore_original_limits()
+        with _Nesting.lock:
+            _Nesting.count -= 1
+            if _Nesting.count == 0:
+                _Nesting.limit.restore_original_limits()
 
 
 @cache

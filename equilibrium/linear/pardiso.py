@@ -98,23 +98,20 @@ class PardisoFactor:
         self._call(11, np.zeros(pattern.size))
 
     def _call(self, phase: int, b: Floats) -> Floats:
+        """One call of PARDISO; the call in pypardiso would build the index arrays again every time."""
+        one, x, error = self._one, np.zeros_like(b), ctypes.c_int32(0)
+        columns = ctypes.c_int32(b.size // len(b) if b.size else 1)
         # for this Python thread only; 0 restores the number that the user has set
         threads = self._solver.libmkl.MKL_Set_Num_Threads_Local
         before = threads(self._threads)
         try:
-            return self._pardiso(phase, b)
+            self._solver._mkl_pardiso(
+                self._handle, one, one, self._kind, ctypes.byref(ctypes.c_int32(phase)), self._order, self._values,
+                self._starts, self._columns, self._permutation, ctypes.byref(columns), self._parameters, self._silent,
+                _at(b, ctypes.c_double), _at(x, ctypes.c_double), ctypes.byref(error),
+            )  # fmt: skip
         finally:
             threads(before)
-
-    def _pardiso(self, phase: int, b: Floats) -> Floats:
-        """One call of PARDISO; the call in pypardiso would build the index arrays again every time."""
-        one, x, error = self._one, np.zeros_like(b), ctypes.c_int32(0)
-        columns = ctypes.c_int32(b.size // len(b) if b.size else 1)
-        self._solver._mkl_pardiso(
-            self._handle, one, one, self._kind, ctypes.byref(ctypes.c_int32(phase)), self._order, self._values,
-            self._starts, self._columns, self._permutation, ctypes.byref(columns), self._parameters, self._silent,
-            _at(b, ctypes.c_double), _at(x, ctypes.c_double), ctypes.byref(error),
-        )  # fmt: skip
         if error.value:
             from pypardiso.pardiso_wrapper import PyPardisoError
 

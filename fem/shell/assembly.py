@@ -88,8 +88,7 @@ class Assembly:
 
     def product(self, data: Floats, x: Floats) -> Floats:
         """(N, 3) product of the symmetric matrix with entries `data` (nnz,) in the pattern and x (N, 3)."""
-        low, flat = self.pattern.lower(data), x.ravel()
-        return np.asarray(low @ flat + low.T @ flat - data[self.pattern.diagonal] * flat).reshape(-1, 3)
+        return self.pattern.product(data, x.ravel()).reshape(-1, 3)
 
     @cached_property
     def mass(self) -> Floats:
