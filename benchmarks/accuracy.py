@@ -76,7 +76,7 @@ def measured(solved: Solved, fine: bool) -> Row:
         "expected": error,
         "height": 100.0 * abs(height - exact.height_mm) / across,
         "expected_height": None if high is None else high * height / across,
-        "form": alike(found),
+        "form": alike(found.record),
         "vertices": exact.summary["vertices"],
         "mesh": exact.summary["mesh_error_percent"],
         "fine": None,

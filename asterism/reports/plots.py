@@ -171,7 +171,7 @@ def profiles(comparison: Comparison) -> list[tuple[bytes, str]]:
 
 def _profile_directions(comparison: Comparison) -> dict[str, Floats]:
     """Two unit directions on the print: across and along the axis of a rolled sheet, otherwise x and y."""
-    axis = comparison.roll_axes_deg[0]
+    axis = comparison.record.roll_axes_deg[0]
     a = np.radians(axis if axis is not None else 90.0)
     along, across = np.array([np.cos(a), np.sin(a)]), np.array([np.sin(a), -np.cos(a)])
     if axis is None:

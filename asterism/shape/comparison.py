@@ -10,12 +10,11 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from asterism.equilibrium.arrays import Floats, Ints
+from asterism.equilibrium.arrays import Floats
 from asterism.pattern.geometry.diameter import diameter
 from asterism.pattern.geometry.normals import triangle_normals, vertex_normals
 from asterism.pattern.geometry.planar import distance_to_outline
@@ -25,7 +24,6 @@ from asterism.pattern.layout.layout import Layout, off_curves_mm
 from asterism.pattern.layout.roll_axis import roll_axis_from_normals
 from asterism.pattern.layout.supports import SupportSamples
 from asterism.pattern.layout.symmetries import Symmetry
-from asterism.results.record import keys_of
 from asterism.results.records.verification import DifferenceRecord
 from asterism.shape.cell_mean import CellMean
 from asterism.shape.measures import sample_vertices, tube_radius
@@ -75,150 +73,79 @@ class Comparison:
         centres, off = self.layout.sample_points, 0.0 if self.layout.has_stars else self.layout.spacing_mm
         return np.asarray(np.linalg.norm(self.other.at(centres, off) - self.reference.at(centres, off), axis=1))
 
+    @property
+    def rms_percent(self) -> float:
+        """Root mean square over the printed area of the distance of the cell means, in % of the diameter."""
+        return self._percent(math.sqrt(self.reference.weights @ self.distance_mm**2))
+
     @cached_property
     def record(self) -> DifferenceRecord:
         """The numbers of the comparison: errors of the other shape relative to the reference; None if undefined."""
+        shapes, means = (self.reference, self.other), (self.reference_mean, self.other_mean)
+        weights, stars = self.reference.weights, sample_vertices(self.layout, self.reference)
+        normals = [vertex_normals(mean, self.reference.triangles) for mean in means]
+        axes = _roll_axes(self.layout, [each[stars] for each in normals])
+        radii: list[float | None] = [None]
+        if None not in axes:
+            radii = [tube_radius(mean[stars], each[stars]) for mean, each in zip(means, normals, strict=True)]
+        heights = [float(np.ptp(shape.positions[:, 2])) for shape in shapes]
+        volumes = [self._volume(mean) for mean in means] if axes == [None, None] else None
         pairs = {
-            "height_error_percent": self.heights_mm,
-            "mean_height_error_percent": self.mean_heights_mm,
-            "rise_error_percent": self.rises_mm,
-            "volume_error_percent": self.volumes_mm3,
-            "roll_radius_error_percent": self.roll_radii_mm,
+            "height_error_percent": heights,
+            "mean_height_error_percent": [float(np.ptp(mean[:, 2])) for mean in means],
+            "rise_error_percent": self._rises(),
+            "volume_error_percent": volumes,
+            "roll_radius_error_percent": None if None in radii else radii,
         }
-        known: dict[str, Any] = {name: pair and _relative(*pair) for name, pair in pairs.items()}
-        known["mirrored"] = self.symmetry.mirrors
-        others = {name: getattr(self, name) for name in keys_of(DifferenceRecord) if name not in known}
-        return DifferenceRecord.from_json(known | others)
-
-    @property
-    def rms_mm(self) -> float:
-        """Root mean square over the printed area of the distance of the cell means."""
-        return math.sqrt(self.reference.weights @ self.distance_mm**2)
-
-    @property
-    def max_mm(self) -> float:
-        """Largest distance of the cell means."""
-        return float(self.distance_mm.max())
-
-    @property
-    def rms_percent(self) -> float:
-        """`rms_mm` in % of the diameter."""
-        return self._percent(self.rms_mm)
-
-    @property
-    def max_percent(self) -> float:
-        """`max_mm` in % of the diameter."""
-        return self._percent(self.max_mm)
-
-    @cached_property
-    def rms_after_motion_percent(self) -> float:
-        """`rms_percent` after the best of all rigid motions: of one form that has swung on its supports it is small."""
-        weights = self.reference.weights
         rotation, shift = rigid_fit(self.other_mean, self.reference_mean, weights)
         gaps = self.other_mean @ rotation.T + shift - self.reference_mean
-        return self._percent(math.sqrt(weights @ (gaps**2).sum(axis=1)))
+        # the arc cosine would lose all digits for small angles
+        apart, along = (np.linalg.norm(normals[0] + sign * normals[1], axis=1) for sign in (-1, 1))
+        angle = 2.0 * np.arctan2(apart, along)
+        return DifferenceRecord.from_json(
+            {name: pair and _relative(*pair) for name, pair in pairs.items()}
+            | {
+                "rms_mm": math.sqrt(weights @ self.distance_mm**2),
+                "max_mm": float(self.distance_mm.max()),
+                "rms_percent": self.rms_percent,
+                "max_percent": self._percent(self.distance_mm.max()),
+                "rms_after_motion_percent": self._percent(math.sqrt(weights @ (gaps**2).sum(axis=1))),
+                "free_motions": self.free_motions,
+                "rms_stars_percent": self._percent(np.sqrt((self.star_distance_mm**2).mean())),
+                "max_stars_percent": self._percent(self.star_distance_mm.max()),
+                "diameter_mm": self.diameter_mm,
+                "heights_mm": heights,
+                "relief_error_percent": self._relief_error_percent(),
+                "rises_mm": pairs["rise_error_percent"],
+                "volumes_mm3": volumes,
+                "roll_radii_mm": pairs["roll_radius_error_percent"],
+                "roll_axes_deg": axes,
+                "normals_rms_deg": float(np.degrees(np.sqrt(weights @ angle**2))),
+                "mirrored": self.symmetry.mirrors,
+            }
+        )
 
-    @property
-    def rms_stars_percent(self) -> float:
-        """Root mean square over the star centres."""
-        return self._percent(np.sqrt((self.star_distance_mm**2).mean()))
-
-    @property
-    def max_stars_percent(self) -> float:
-        """Largest distance of two star centres."""
-        return self._percent(self.star_distance_mm.max())
-
-    @cached_property
-    def heights_mm(self) -> tuple[float, float]:
-        """Extents along z of the whole shapes, bumps and all."""
-        return float(np.ptp(self.reference.positions[:, 2])), float(np.ptp(self.other.positions[:, 2]))
-
-    @cached_property
-    def rises_mm(self) -> tuple[float, float] | None:
-        """From the mean level of what is held to the furthest point on the reference's higher side, bumps and all.
-
-        None where nothing is held, or a single point.
-        """
-        held = _held(self.layout)
+    def _rises(self) -> list[float] | None:
+        """mm; None where nothing is held, or a single point."""
+        sides = self.layout.supported_edges
+        ends = np.unique(np.concatenate([sides, self.layout.edges.following[sides]]))
+        held = np.concatenate([self.layout.pin_points, self.layout.edges.start[ends]])
         if len(held) < 2:
             return None
-        level = self._at(self.reference, held)[:, 2].mean()
-        own = self.reference.positions[:, 2] - level
+        own, others = (
+            shape.positions[:, 2] - self._at(shape, held)[:, 2].mean() for shape in (self.reference, self.other)
+        )
         side = 1.0 if own.max() >= -own.min() else -1.0
-        others = self.other.positions[:, 2] - self._at(self.other, held)[:, 2].mean()
-        return float((side * own).max()), float((side * others).max())
+        return [float((side * own).max()), float((side * others).max())]
 
-    @cached_property
-    def mean_heights_mm(self) -> tuple[float, float]:
-        """Extents along z of the cell means."""
-        return float(np.ptp(self.reference_mean[:, 2])), float(np.ptp(self.other_mean[:, 2]))
-
-    @cached_property
-    def relief_error_percent(self) -> float | None:
-        """Root mean square of the distance of the two reliefs, what the cell means leave of the surfaces, in % of that
-        of the reference's own; over the printed area whose cells are not cut. None without a relief."""
+    def _relief_error_percent(self) -> float | None:
+        """The relief is what the cell means leave of the surfaces, where cells are not cut; None without a relief."""
         weights, own = self.reference.weights * self.whole, self.reference.positions - self.reference_mean
         size = float((weights @ own**2).sum())
         if size == 0.0:
             return None
         other = self._at(self.other, self.reference.printed) - self.other_mean
         return float(100.0 * np.sqrt((weights @ (other - own) ** 2).sum() / size))
-
-    @cached_property
-    def roll_axes_deg(self) -> tuple[float | None, float | None]:
-        """Axes about which the sheets are rolled in print coordinates; None: not rolled.
-
-        Beside one that is, a sheet that is almost rolled counts as rolled: where that begins must not part two alike.
-        """
-        axes = [roll_axis_from_normals(self.layout, normals) for normals in self._normals]
-        nearly = None in axes and axes != [None, None]
-        one, other = (
-            roll_axis_from_normals(self.layout, normals, almost=True) if nearly and axis is None else axis
-            for normals, axis in zip(self._normals, axes, strict=True)
-        )
-        return one, other
-
-    @cached_property
-    def _normals(self) -> tuple[Floats, Floats]:
-        """(S, 3) of the cell means, at the stars."""
-        one, other = self._vertex_normals
-        return one[self._star_vertices], other[self._star_vertices]
-
-    @cached_property
-    def _vertex_normals(self) -> tuple[Floats, Floats]:
-        """(V, 3) of the cell means."""
-        triangles = self.reference.triangles
-        return vertex_normals(self.reference_mean, triangles), vertex_normals(self.other_mean, triangles)
-
-    @cached_property
-    def roll_radii_mm(self) -> tuple[float, float] | None:
-        """Radii of the tubes nearest to the star centres' cell means; None unless both are rolled, and are tubes."""
-        if None in self.roll_axes_deg:
-            return None
-        one, other = (
-            tube_radius(mean[self._star_vertices], normals)
-            for mean, normals in zip((self.reference_mean, self.other_mean), self._normals, strict=True)
-        )
-        return None if one is None or other is None else (one, other)
-
-    @cached_property
-    def volumes_mm3(self) -> tuple[float, float] | None:
-        """Between the cell means and the level of their outlines; None where a sheet is rolled."""
-        if self.roll_axes_deg != (None, None):
-            return None
-        return self._volume(self.reference_mean), self._volume(self.other_mean)
-
-    @cached_property
-    def normals_rms_deg(self) -> float:
-        """Root mean square angle of the normals of the cell means, over the printed area."""
-        one, other = self._vertex_normals
-        # the arc cosine would lose all digits for small angles
-        angle = 2.0 * np.arctan2(np.linalg.norm(one - other, axis=1), np.linalg.norm(one + other, axis=1))
-        return float(np.degrees(np.sqrt(self.reference.weights @ angle**2)))
-
-    @cached_property
-    def _star_vertices(self) -> Ints:
-        return sample_vertices(self.layout, self.reference)
 
     def _at(self, shape: Shape, printed: Floats) -> Floats:
         return shape.at(printed, off_curves_mm(self.layout, len(shape.printed)))
@@ -227,6 +154,7 @@ class Comparison:
         return float(100.0 * length / self.diameter_mm)
 
     def _volume(self, mean: Floats) -> float:
+        """mm^3 between a surface and the level of its outline."""
         triangles = self.reference.triangles
         on_outline = border_of(triangles, len(mean))
         if self.layout.holes:
@@ -235,6 +163,20 @@ class Comparison:
         level = mean[on_outline, 2].mean()
         over_ground = triangle_normals(mean, triangles)[:, 2] / 2
         return float((mean[triangles, 2].mean(axis=1) - level) @ over_ground)
+
+
+def _roll_axes(layout: Layout, normals: Sequence[Floats]) -> list[float | None]:
+    """Axes in print coordinates about which two sheets are rolled; None: not rolled.
+
+    Beside one that is, a sheet that is almost rolled counts as rolled: where that begins must not part two alike.
+    """
+    axes = [roll_axis_from_normals(layout, each) for each in normals]
+    if None not in axes or axes == [None, None]:
+        return axes
+    return [
+        roll_axis_from_normals(layout, each, almost=True) if axis is None else axis
+        for each, axis in zip(normals, axes, strict=True)
+    ]
 
 
 def compare_shapes(
@@ -292,13 +234,6 @@ def compare_shapes(
 def _relative(right: float, other: float) -> float | None:
     """Relative error in %; None if the reference value is zero."""
     return None if abs(right) < 1e-9 else 100.0 * (other - right) / right
-
-
-def _held(layout: Layout) -> Floats:
-    """(n, 2) mm, printed points that are held, and the ends of held sides."""
-    sides = layout.supported_edges
-    ends = np.unique(np.concatenate([sides, layout.edges.following[sides]]))
-    return np.concatenate([layout.pin_points, layout.edges.start[ends]])
 
 
 def image(shape: Shape, symmetry: Symmetry) -> Shape:

@@ -11,6 +11,7 @@ import numpy as np
 from asterism.discrete.release.forms import SAME_FORM_PERCENT
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.symmetries import Symmetry
+from asterism.results.records.verification import DifferenceRecord
 from asterism.shape.cell_mean import CellMean
 from asterism.shape.comparison import Comparison, compare_shapes
 from asterism.shape.shape import Shape
@@ -93,26 +94,23 @@ MAX_LIKE_NORMALS_DEG = 30.0
 MAX_FORM_DISTANCE_PERCENT = 2.5
 
 
-def alike(comparison: Comparison) -> bool:
+def alike(found: DifferenceRecord) -> bool:
     """Whether two shapes have the same form: small distance, similar normals, and the same roll axis if rolled.
 
     The normals distinguish a pleated sheet from a smooth one, which may be near to it.
     """
-    one, other = comparison.roll_axes_deg
-    if (one is None) != (other is None) or comparison.rms_percent > MAX_LIKE_DISTANCE_PERCENT:
-        return False
-    if comparison.normals_rms_deg > MAX_LIKE_NORMALS_DEG:
-        return False
-    if one is None or other is None:
-        return True
+    one, other = found.roll_axes_deg
+    is_far = found.rms_percent > MAX_LIKE_DISTANCE_PERCENT or found.normals_rms_deg > MAX_LIKE_NORMALS_DEG
+    if is_far or one is None or other is None:
+        return not is_far and one is other
     apart = abs(one - other) % 180.0
     return min(apart, 180.0 - apart) < MAX_LIKE_AXIS_DEG
 
 
-def same_branch(comparison: Comparison, with_other: Comparison | None, apart_percent: float = 0.0) -> bool:
+def same_branch(found: DifferenceRecord, with_other: DifferenceRecord | None, apart_percent: float = 0.0) -> bool:
     """Whether a shape has the form of the exact result, and not that of another exact minimum.
 
     The minima are `apart_percent` of the diameter apart; without a second one, `with_other` is None.
     """
-    nearer = with_other is None or comparison.rms_percent <= with_other.rms_percent
-    return bool((nearer or apart_percent < MAX_FORM_DISTANCE_PERCENT) and alike(comparison))
+    nearer = with_other is None or found.rms_percent <= with_other.rms_percent
+    return bool((nearer or apart_percent < MAX_FORM_DISTANCE_PERCENT) and alike(found))

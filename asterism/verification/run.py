@@ -128,8 +128,8 @@ def _summary(
     result, other = verification.result, next(name for name in verification.exact if name != verification.result)
     exact = ExactRecord.from_json(verification.exact[result].summary)
     # a start that ends without a minimum has no form to compare with
-    with_other = verification.comparisons[other] if verification.exact[other].summary["is_minimum"] else None
-    form = same_branch(verification.comparison, with_other, between.rms_percent) if exact.is_minimum else None
+    with_other = verification.comparisons[other].record if verification.exact[other].summary["is_minimum"] else None
+    form = same_branch(verification.comparison.record, with_other, between.rms_percent) if exact.is_minimum else None
     preview = verification.preview.summary
     return VerificationRecord(
         model=VERIFICATION_MODEL,

@@ -103,7 +103,7 @@ def _far(comparison: Comparison, expected: float | None) -> Iterator[str]:
 
 def _high(comparison: Comparison, expected: float | None) -> Iterator[str]:
     """Heights that differ by far more than the estimated error of the preview."""
-    exact, preview = comparison.heights_mm
+    exact, preview = comparison.record.heights_mm
     # largest difference of the heights, in % of the exact height, without a warning if the preview has no estimate
     limit = 10.0 if expected is None else MAX_ERROR_RATIO * expected
     off = 100.0 * abs(preview - exact)

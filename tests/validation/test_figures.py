@@ -144,7 +144,7 @@ def test_figure_3_a_uniform_sheet_rolls_up(model: int) -> None:
     found = both("fig5-full")
     most, least = middles(found)[model]
     assert abs(least) < 0.05 * most
-    axis = found.roll_axes_deg[model]
+    axis = found.record.roll_axes_deg[model]
     assert axis is not None
     if model == EXACT:  # the energy of the preview hardly depends on the axis
         assert min(abs(axis - other) for other in (30.0, 90.0, 150.0)) < 1.0
@@ -206,7 +206,7 @@ def test_figure_5_without_rest_curvature_the_sheet_is_flatter(model: int) -> Non
     found = compared(name, own_law(name))
     complete, flatter = (middles(one)[model] for one in (both("fig5-full"), found))
     assert flatter.max() < 0.5 * complete.max()
-    assert found.roll_axes_deg[model] is None
+    assert found.record.roll_axes_deg[model] is None
     assert found.rms_percent < 5.0
 
 

@@ -85,7 +85,7 @@ def test_volumes_are_over_the_level_of_the_outline_and_not_of_the_hole() -> None
         for height in (np.zeros(len(mesh.points)), 5.0 - 0.1 * np.linalg.norm(mesh.points, axis=1))
     )
     compared = compare_shapes(raised, flat, plan, symmetries(holed([ROUND]), plan)[:1])
-    volumes, mean = compared.volumes_mm3, compared.reference_mean
+    volumes, mean = compared.record.volumes_mm3, compared.reference_mean
     # a rigid motion of least squares, on a mesh that is not quite symmetric, tilts the flat sheet a little
     assert volumes is not None and volumes[1] == pytest.approx(0.0, abs=1e-4 * volumes[0])
     level = mean[mesh.border_vertices, 2].mean()

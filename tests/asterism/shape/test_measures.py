@@ -51,7 +51,7 @@ def test_both_models_say_how_far_a_sheet_rolls() -> None:
     preview, exact = (shape.summary["roll_radius_mm"] for shape in (shown, released))
     assert 10.0 < exact < 20.0 and preview == pytest.approx(exact, rel=0.15)
     # and it is the one that they are compared by
-    radii = compare_shapes(released, shown, plan, symmetries(design, plan)).roll_radii_mm
+    radii = compare_shapes(released, shown, plan, symmetries(design, plan)).record.roll_radii_mm
     assert (exact, preview) == pytest.approx(radii, rel=0.005)
 
 

@@ -72,7 +72,7 @@ def test_a_distance_far_above_the_expected_one_is_told_with_both_numbers(times: 
      ((1e-6, 3e-6), False)],
 )  # fmt: skip
 def test_heights_that_differ_are_told_unless_the_sheet_is_flat(depths: tuple[float, float], wrong: bool) -> None:
-    exact, preview = bowls(*depths).comparison.heights_mm
+    exact, preview = bowls(*depths).comparison.record.heights_mm
     off = 100.0 * abs(preview / exact - 1.0)
     line = f"the preview is {preview:.1f} mm high, the exact shape {exact:.1f} mm: {off:.0f} % off"
     assert said(depths) == ([line] if wrong else [])
@@ -84,7 +84,7 @@ def test_heights_that_were_expected_to_differ_are_no_surprise(
     depths: tuple[float, float], times: float, surprising: bool
 ) -> None:
     """However little or much they do."""
-    exact, preview = bowls(*depths).comparison.heights_mm
+    exact, preview = bowls(*depths).comparison.record.heights_mm
     expected = 100.0 * abs(preview / exact - 1.0) / times
     lines = said(depths, {"expected_height_percent": expected})
     assert len(lines) == surprising
