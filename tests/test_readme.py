@@ -205,23 +205,6 @@ def test_documented_commands_and_options_exist() -> None:
     assert found and [(page, option) for page, option in found if option not in known] == []
 
 
-@pytest.mark.parametrize(
-    ("line", "mistake"),
-    [
-        ("asterism strips neu", "neu is no command of asterism strips"),
-        ("asterism preview a.toml --edges 2", "No such option: --edges"),
-        ("asterism verify a.toml --edge", "'--edge' requires an argument"),
-        ("asterism preview", "design"),
-        ("asterism preview a.toml b.toml", "b.toml is one argument too many"),
-    ],
-)
-def test_mistakes_are_found(line: str, mistake: str) -> None:
-    (found,) = mistakes(line, True)
-    assert mistake in found
-    # inline commands may leave out their arguments
-    assert mistakes("asterism simulate", False) == mistakes("asterism COMMAND --help", False) == []
-
-
 MODULES = [name for name, file in FILES.items() if ">>> " in file.read_text(encoding="utf-8")]
 # examples that take seconds
 LONG = {

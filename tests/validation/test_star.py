@@ -75,17 +75,3 @@ def test_a_saddle_is_left_not_reported() -> None:
     assert found.saddles_left >= 1
     assert found.is_minimum and found.smallest_eigenvalue > 0.0
     assert np.ptp(found.state.positions[:, 2]) > 1.0
-
-
-def test_an_unconverged_state_is_not_an_equilibrium(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("asterism.discrete.release.continuation.MAX_ITERATIONS", 1)
-    found = solve_on_mesh(model())
-    assert not found.converged and not found.is_minimum
-
-
-def test_certificate_agrees_with_dense_eigenvalues() -> None:
-    m = model(mesh={"edge_mm": 3.0})
-    found = solve_on_mesh(m)
-    values = np.linalg.eigvalsh(m.pattern.full(m.hessian(found.state, 0.0)).toarray())
-    np.testing.assert_allclose(values[:6], 0.0, atol=1e-6)
-    assert found.smallest_eigenvalue == pytest.approx(values[6], rel=1e-6)

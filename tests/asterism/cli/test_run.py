@@ -99,17 +99,6 @@ def test_the_file_stands_before_fields_of_the_design(error: Error, message: str)
     assert str(named) == message and type(named) is type(error)
 
 
-@pytest.mark.parametrize("words", [["preview"], ["export", "--preview"]])
-def test_drawings_without_a_preview_are_refused_with_their_file(words: list[str], here: Path, cli: Cli) -> None:
-    FILE.write_text(DRAWN)
-    refused = cli([*words, str(FILE), "-q"])
-    assert refused.status == 2 and list(here.iterdir()) == [here / FILE]
-    assert refused.err.splitlines()[-1] == (
-        "asterism: leaf.toml: rods.motif: is missing: lines that do not repeat have no law; use the exact model: "
-        "asterism simulate"
-    )
-
-
 class Terminal(io.StringIO):
     """A stream that says it is one."""
 

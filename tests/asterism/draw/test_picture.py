@@ -203,15 +203,6 @@ def test_a_large_sheet_is_cut_off_and_only_a_plain_picture_has_no_words(shape: S
     assert ink(view_image(shape, "above", PIXELS, 1.0, title="dome"))[1] > 200
 
 
-@pytest.mark.parametrize(
-    ("view", "size", "scale", "said"),
-    [("below", PIXELS, None, "view"), ("above", (50, 300), None, "size"), ("above", PIXELS, 0.0, "scale")],
-)
-def test_what_is_no_picture(shape: Shape, view: View, size: tuple[int, int], scale: float | None, said: str) -> None:
-    with pytest.raises(ValueError, match=f"^{said} must be"):
-        view_image(shape, view, size, scale)
-
-
 def test_shapes_show_themselves_in_notebooks(shape: Shape) -> None:
     data = shape._repr_png_()
     assert Image.open(io.BytesIO(data)).size == (2000, 1120)

@@ -4,9 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import json
-import sys
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
 from pathlib import Path
 from typing import Any
 
@@ -248,26 +245,3 @@ def test_what_nobody_waits_for_is_not_computed(tmp_path: Path, monkeypatch: pyte
 
     run_coroutine(application(Work(tmp_path), frozenset({HOST}))(scope, receive, send))
     assert sent[0]["status"] == 400
-
-
-def megabytes_after_requests(folder: Path) -> list[float]:
-    """Memory of this process after every 100 of 600 requests."""
-    after: list[float] = []
-    with TestClient(application(Work(folder), frozenset({HOST})), base_url=f"http://{HOST}") as client:
-        sheet = Hops(client, f"http://{HOST}/sheet")
-        for number in range(600):
-            outline = hexagon(1) * (1 + 0.01 * (number // 20 % 10))
-            sheet.solve(outline=outline, lengths=6.0 + 0.01 * (number % 100))
-            if number % 100 == 99:
-                after.append(int(Path("/proc/self/statm").read_text().split()[1]) * 4096 / 1e6)
-    return after
-
-
-@pytest.mark.slow
-@pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
-def test_memory_is_bounded_over_600_requests(tmp_path: Path):
-    # in a process of its own: the scattered heap of earlier tests grows by itself
-    with ProcessPoolExecutor(1, get_context("spawn")) as pool:
-        after = pool.submit(megabytes_after_requests, tmp_path).result()
-    # all outlines have come by after 200, and the kept prints are full after 400; from there to 600 it grew by 3 MB
-    assert after[-1] - after[3] < 10.0, after

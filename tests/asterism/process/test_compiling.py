@@ -12,8 +12,6 @@ from typing import Any
 
 import pytest
 
-from asterism.pattern import gallery
-from asterism.pattern.design.errors import MeshError
 from asterism.process import compiling
 from asterism.process.compiling import (
     WARM_UP,
@@ -22,7 +20,6 @@ from asterism.process.compiling import (
     compiling_ahead,
     signs_while_compiling,
 )
-from tests.asterism.commands import Cli
 
 pytest.importorskip("numba")
 
@@ -69,15 +66,6 @@ def test_compiling_is_said_once_and_not_where_machine_code_is_found(tmp_path: Pa
     assert said(fresh(tmp_path, "asterism.discrete.loops")) == []
 
 
-def test_other_packages_are_not_ours_and_nothing_is_said_after_the_block(tmp_path: Path) -> None:
-    assert said(fresh(tmp_path, "theirs.loops")) == []
-    lines: list[str] = []
-    with announce_compiling(lines.append):
-        pass
-    (tmp_path / "later").mkdir()
-    assert fresh(tmp_path / "later", "asterism.fem.loops").first(1) == 3 and lines == []
-
-
 def test_a_clock_stands_still_while_loops_are_compiled_or_read(tmp_path: Path) -> None:
     for name in ("asterism.fem.loops", "asterism.fem.again"):  # the second finds the machine code of the first
         module = fresh(tmp_path, name)
@@ -89,20 +77,6 @@ def test_a_clock_stands_still_while_loops_are_compiled_or_read(tmp_path: Path) -
             begun, by_the_clock = time.perf_counter(), clock()
             time.sleep(0.05)
             assert 0.05 <= clock() - by_the_clock <= time.perf_counter() - begun
-
-
-def test_commands_say_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, cli: Cli) -> None:
-    def compile_and_stop(*arguments: object, **options: object) -> None:
-        fresh(tmp_path, "asterism.fem.loops").first(1)
-        raise MeshError("enough")
-
-    monkeypatch.setattr("asterism.verification.run.verify", compile_and_stop)
-    lines = cli(["verify", str(gallery.path("star")), "-o", str(tmp_path / "out")]).err.splitlines()
-    # the exact model's cost comes first
-    assert lines[0].startswith("about ") and lines[1:] == [
-        "compiling the preview's shell: about 20 s, later runs have the code",
-        "asterism: enough",
-    ]
 
 
 def test_long_compiling_gives_signs_of_life(tmp_path: Path) -> None:

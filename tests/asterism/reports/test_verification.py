@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-import time
 from base64 import b64decode
 from dataclasses import replace
 from io import BytesIO
@@ -19,13 +18,11 @@ from asterism.pattern.design.design import Design
 from asterism.previews.session import preview
 from asterism.process.version import __version__
 from asterism.reports.verification_page import verification_page, write_verification
-from asterism.reports.write_results import write_results
 from asterism.shape.vtu import read_shape, write_shape_vtu
 from asterism.verification import run
 from asterism.verification.run import verify
 from asterism.verification.verification import Verification
 from tests.asterism.previews.laws import plain_law
-from tests.asterism.process.test_compiling import fresh
 from tests.asterism.verification.printed import design
 
 # what a name must not do to a page
@@ -77,38 +74,11 @@ def test_summary(found):
     assert s["preview"] and s["design"]["name"] == NAME
 
 
-def test_compiling_counts_for_neither_model(found, tmp_path, monkeypatch):
-    """It happens in the first run only, mostly within the exact model."""
-    pytest.importorskip("numba")
-    spent: list[float] = []
-
-    def compiled_first(*_, **__):
-        folder = tmp_path / str(len(spent))
-        folder.mkdir()
-        loops = fresh(folder, f"discrete.loops{len(spent)}")
-        begun = time.perf_counter()
-        loops.first(3)
-        spent.append(time.perf_counter() - begun)
-        return found.exact["release"]
-
-    monkeypatch.setattr(run, "exact_shape", compiled_first)
-    s = run.verify(OF, ready=found.preview).summary
-    assert len(spent) == 2 and s["exact_s"] < 0.5 * spent[0] and s["exact_from_preview_s"] < 0.5 * spent[1]
-
-
 def test_another_shape_in_its_folder_is_not_taken_for_a_verified_one(found, folder, tmp_path):
     """`asterism report` must not say of any shape what a verification's summary says of two."""
     write_shape_vtu(found.exact["release"], tmp_path / "shape.vtu")
     (tmp_path / "summary.json").write_bytes((folder / "summary.json").read_bytes())
     assert read_shape(tmp_path).summary == {}
-
-
-@pytest.mark.usefixtures("blank_pictures")
-def test_it_takes_the_place_of_another_result(found, tmp_path):
-    write_results(found.exact["release"], tmp_path)
-    files = write_verification(found, tmp_path)
-    assert sorted(file.name for file in tmp_path.iterdir()) == files
-    assert read_shape(tmp_path).positions == pytest.approx(found.comparison.reference.positions, abs=1e-6)
 
 
 def test_names_of_files_that_are_no_text_do_not_stop_it(found, tmp_path):
@@ -136,18 +106,6 @@ def test_page_needs_nothing_else(found, folder):
     pictures = [Image.open(BytesIO(b64decode(data))) for data in re.findall(r'data:image/png;base64,([^"]+)"', text)]
     assert len(pictures) == 9
     assert all(np.ptp(np.asarray(picture.convert("L"))) > 60 for picture in pictures)
-
-
-def test_page_says_what_counts(found, folder):
-    """Distance in mm too, what the preview expected, and what is to be known before."""
-    s, text = found.summary, (folder / "report.html").read_text(encoding="utf-8")
-    assert f"({s['rms_percent'] * s['diameter_mm'] / 100:.2g} mm)" in text
-    assert "The preview shows the same form as the exact model, " in text
-    assert "<li>a star is beyond the law&#x27;s range</li>" in text
-    released = s["starts"]["release"]
-    assert (
-        f'<td class="n">{released["energy_n_mm"]:.4f}</td>' in text and f"{s['diameter_mm']:.0f} mm. Surfaces" in text
-    )
 
 
 def test_page_says_what_it_was_made_from(found, folder):

@@ -7,12 +7,8 @@ import os
 from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
 import pytest
-from PIL import Image
-from scipy.spatial.transform import Rotation
 
-from asterism.draw.picture import draw_shape
 from asterism.reports.write_results import write_results
 from asterism.results.files import OutputError, staged_result
 from asterism.shape.shape import Shape
@@ -42,30 +38,6 @@ def shape() -> Shape:
     made = sheet(dome)
     made = replace(made, summary=made.summary | {"design": {"name": "dome"}})
     return made
-
-
-@pytest.mark.slow
-def test_a_held_sheet_is_drawn_as_it_stands(shape: Shape, tmp_path: Path) -> None:
-    leaning = replace(shape, positions=shape.positions @ Rotation.from_euler("x", 40, degrees=True).as_matrix().T)
-    held = replace(leaning, held=True, others=(replace(leaning, held=True),))
-    pictures = {}
-    for name, one in {"free": leaning, "held": held}.items():
-        write_results(one, tmp_path / name)
-        files = sorted((tmp_path / name).glob("*.png"))
-        pictures[name] = [np.asarray(Image.open(file))[200:] for file in files]  # below the caption
-    draw_shape(held, "dome", tmp_path / "dome.png")
-    assert np.array_equal(pictures["held"][0], pictures["held"][1])
-    assert np.array_equal(pictures["held"][0], np.asarray(Image.open(tmp_path / "dome.png"))[200:])
-    assert not np.array_equal(pictures["held"][0], pictures["free"][0])
-
-
-@pytest.mark.parametrize("before", KINDS)
-@pytest.mark.usefixtures("blank_pictures")
-def test_earlier_results_of_any_kind_go_away(before: str, shape: Shape, tmp_path: Path) -> None:
-    fill(tmp_path, KINDS[before] | MINE)
-    written = write_results(shape, tmp_path)
-    assert names(tmp_path) == set(written) | MINE
-    assert all((tmp_path / name).read_text() == "old" for name in MINE)
 
 
 @pytest.mark.parametrize("after", KINDS)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import os
 import signal
 import subprocess
@@ -37,33 +36,6 @@ def test_files_replace_earlier_ones_and_leave_others(tmp_path: Path) -> None:
     (tmp_path / "notes.txt").write_text("mine")
     write(tmp_path, "new")
     assert contents(tmp_path) == whole("new") | {"notes.txt": "mine"}
-
-
-def test_stale_files_go(tmp_path: Path) -> None:
-    for name in ("minimum-2.vtu", "minimum-3.vtu", "minimum-3.vtu.mine", "my minimum-4.vtu"):
-        (tmp_path / name).write_text("old")
-    with staged(tmp_path, stale=r"minimum-\d+\.vtu") as folder:
-        (folder / "minimum-2.vtu").write_text("new")
-    kept = {name: "old" for name in ("minimum-3.vtu.mine", "my minimum-4.vtu")}
-    assert contents(tmp_path) == {"minimum-2.vtu": "new"} | kept
-
-
-def test_a_full_disk_leaves_the_earlier_results(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def full(*_: object) -> None:
-        raise OSError(errno.ENOSPC, "No space left on device")
-
-    write(tmp_path, "old")
-    monkeypatch.setattr(os, "fsync", full)
-    with pytest.raises(OutputError, match=r"^cannot write .*: the disk is full$"):
-        write(tmp_path, "new")
-    assert contents(tmp_path) == whole("old")
-
-
-def test_the_summary_comes_last(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    moved: list[str] = []
-    monkeypatch.setattr(os, "replace", lambda source, target: moved.append(target.name))
-    write(tmp_path, "new")
-    assert moved == NAMES and moved[-1] == "summary.json"
 
 
 def test_new_directories_have_ordinary_permissions(tmp_path: Path) -> None:
@@ -152,22 +124,6 @@ def test_a_name_that_is_too_long_is_named(tmp_path: Path) -> None:
             check()
     check_writable(tmp_path / "a" / "b")
     assert list(tmp_path.iterdir()) == []
-
-
-def test_no_permission_is_said_in_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(self: Path, *args: object, **kwargs: object) -> None:
-        raise PermissionError(errno.EACCES, "Permission denied", str(self))
-
-    monkeypatch.setattr(Path, "mkdir", refuse)
-    with pytest.raises(OutputError, match=r"results: no permission to write there$"):
-        check_writable(tmp_path / "results")
-
-
-def test_a_single_file_is_written_whole(tmp_path: Path) -> None:
-    write_file(tmp_path / "designs" / "star.toml", 'name = "été"\n')
-    write_file(tmp_path / "designs" / "star.toml", 'name = "été 2"\n')
-    assert (tmp_path / "designs" / "star.toml").read_bytes().decode() == 'name = "été 2"\n'
-    assert [p.name for p in (tmp_path / "designs").iterdir()] == ["star.toml"]
 
 
 def killed_at(directory: Path, moment: str) -> None:

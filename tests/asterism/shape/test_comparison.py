@@ -237,17 +237,6 @@ def test_volume_under_a_cap():
     assert other == pytest.approx(2.0 * one, rel=0.02)
 
 
-def test_cell_means_have_no_relief():
-    """A wave of the lattice vanishes inside; a plane stays, but for a part of the mesh's edge (2 mm)."""
-    of = design(border={"rings": 2})
-    sheet, plan = shape(of, lumpy), layout(of)
-    mean = CellMean(sheet.printed, sheet.weights, plan.lattice_vectors)
-    wave = np.cos(2 * np.pi * sheet.printed @ np.linalg.inv(plan.lattice_vectors)[:, 0])
-    inside = np.linalg.norm(sheet.printed, axis=1) < 20.0
-    assert np.abs(mean(wave[:, None])[inside]).max() < 1e-3
-    assert np.abs(mean(sheet.printed) - sheet.printed)[inside].max() < 0.6
-
-
 @pytest.mark.parametrize("side", [1.0, -1.0])
 def test_a_rise_counts_from_what_is_held_whatever_hangs_below_or_beside_it(side):
     """A vault on two sides, which lie 2 mm high, with a dent of 1 mm at a corner that is free."""

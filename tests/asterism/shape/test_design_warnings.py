@@ -6,7 +6,6 @@ from typing import Any
 
 import pytest
 
-from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.shape.design_warnings import held_wide, pin_warnings, sizing_warnings
@@ -33,11 +32,6 @@ def test_how_much_wider_it_is_held(pins: list[dict[str, Any]], times: str | None
     lines = list(held_wide(layout(design)))
     assert len(lines) == (times is not None)
     assert all(f"the pins hold the sheet {times} as wide as it was printed" in line for line in lines)
-
-
-@pytest.mark.parametrize("name", gallery.names())
-def test_no_design_of_the_gallery_is(name: str) -> None:
-    assert not list(pin_warnings(layout(gallery.load(name)), False))
 
 
 @pytest.mark.parametrize(

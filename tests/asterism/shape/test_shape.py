@@ -10,7 +10,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from asterism.equilibrium.errors import Error
 from asterism.pattern.geometry.normals import vertex_normals
 from asterism.shape.shape import Shape
 from tests.asterism import sheets
@@ -18,13 +17,6 @@ from tests.asterism import sheets
 
 def moved(shape: Shape, rotation: Rotation) -> Shape:
     return replace(shape, positions=rotation.apply(shape.positions) + np.array([3.0, -50.0, 7.0]))
-
-
-def test_vertices_and_centroids_map_to_themselves() -> None:
-    shape = sheets.sheet(sheets.saddle)
-    assert np.allclose(shape.at(shape.printed), shape.positions, atol=1e-12)
-    centroids = shape.printed[shape.triangles].mean(axis=1)
-    assert np.allclose(shape.at(centroids), shape.positions[shape.triangles].mean(axis=1), atol=1e-12)
 
 
 @given(st.tuples(st.floats(-50, 50), st.floats(-40, 40)))
@@ -107,9 +99,3 @@ def test_aligned_shows_the_plastic_side_and_turns_vectors() -> None:
     vectors = {"normal": vertex_normals(upside_down.positions, shape.triangles)}
     turned = replace(upside_down, point_fields=vectors).aligned()
     assert np.allclose(turned.point_fields["normal"], vertex_normals(turned.positions, turned.triangles))
-
-
-@pytest.mark.parametrize("wrong", [99, -1, 0.5])
-def test_triangles_are_numbers_of_vertices(wrong: float) -> None:
-    with pytest.raises(Error, match="triangles: must be"):
-        Shape(np.zeros((4, 2)), np.zeros((4, 3)), np.array([[0, 1, wrong]]), np.full(4, -1), (), np.empty(0, int))

@@ -9,7 +9,6 @@ import pytest
 
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
-from asterism.pattern.design.entries import with_entries
 from asterism.sweeps.parameters import SweepError, SweepParameter, check_parameters, grid, latin_hypercube
 from asterism.sweeps.solve_point import MOTIF_CELL_S, MOTIF_PREVIEW_S, START_S, sweep_cost
 from asterism.sweeps.sweep import check_model, sweep_design, sweep_parameters
@@ -54,13 +53,6 @@ def test_wrong_words_are_refused_with_what_is_allowed(text: str, problem: str) -
     with pytest.raises(SweepError, match=problem.replace("(", r"\(")) as caught:
         SweepParameter.from_text(text)
     assert "\n" not in str(caught.value)
-
-
-def test_values_are_put_at_their_paths() -> None:
-    table = gallery.load("dome").to_dict()
-    new = with_entries(table, {"pins.0.scale": 0.7, "stars.length_mm.from": 9.0, "gravity.on": True})
-    assert new["pins"][0]["scale"] == 0.7 and new["stars"]["length_mm"]["from"] == 9.0 and new["gravity"]["on"] is True
-    assert table == gallery.load("dome").to_dict() and new["stars"]["length_mm"]["to"] == 4.0
 
 
 @pytest.mark.parametrize(

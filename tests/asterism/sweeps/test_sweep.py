@@ -195,22 +195,6 @@ def test_wrong_words_end_the_command_at_once(words: list[str], line: str, tmp_pa
     assert [file.name for file in tmp_path.iterdir()] == ["seven.toml"]
 
 
-def test_a_folder_in_the_way_is_named_before_anything_is_computed(tmp_path: Path, cli: Cli) -> None:
-    page = tmp_path / "seven-sweep" / "sweep.html"
-    page.mkdir(parents=True)
-    ended = cli(["sweep", str(written(tmp_path)), "--vary", "stars.length_mm=7,8"])
-    assert ended.status == 2 and ended.line == f"asterism: cannot write {page}: a folder is in the way"
-    assert [file.name for file in page.parent.iterdir()] == ["sweep.html"]
-
-
-def test_many_designs_need_consent(tmp_path: Path, cli: Cli) -> None:
-    vary = ["--vary", "stars.thickness_mm=0.2:0.6:100", "--vary", "stars.length_mm=6:9:90"]
-    ended = cli(["sweep", str(written(tmp_path)), *vary, "--jobs", "2"])
-    assert ended.status == 2 and "takes about 9000 previews" in ended.line
-    assert ended.line.endswith("use --yes to compute it, or fewer designs")
-    assert [file.name for file in tmp_path.iterdir()] == ["seven.toml"]
-
-
 VARIED = "stars.thickness_mm=0.2:0.6:12"
 WORDS = [sys.executable, "-m", "asterism", "sweep", "seven.toml", "--vary", VARIED, "--jobs", "2"]
 
