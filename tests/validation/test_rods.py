@@ -7,6 +7,8 @@ published number to its printed digits (rounding of the numbers included).
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 from scipy.special import ellipe, ellipk
@@ -51,8 +53,16 @@ def angle(rod: Cantilever, state: State) -> float:
     return float(np.degrees(np.arctan2(t[2], t[0])))
 
 
-def sizes(counts: tuple[int, ...]) -> list[float]:
-    return [1.0 / (n - 0.5) for n in counts]
+def assert_converges(
+    counts: tuple[int, ...],
+    numbers: Callable[[Cantilever], tuple[float, ...]],
+    *expected: tuple[float, float, float],
+    rod: Callable[[int], Cantilever] = lambda n: cantilever(n, LENGTH, ARM),
+) -> None:
+    """Each of the numbers of a rod converges to a published value, within two tolerances of `assert_second_order`."""
+    found = np.array([numbers(rod(n)) for n in counts]).T
+    for values, of in zip(found, expected, strict=True):
+        assert_second_order([1.0 / (n - 0.5) for n in counts], values, *of)
 
 
 # V5
@@ -66,21 +76,16 @@ def sizes(counts: tuple[int, ...]) -> list[float]:
     ],
 )
 def test_tip_loaded_cantilever(load, w, u, slope):
-    counts = (20, 40, 80)
-    found = []
-    for n in counts:
-        rod = cantilever(n, LENGTH, ARM)
+    def tip(rod: Cantilever) -> tuple[float, ...]:
         steps = np.linspace(0.0, load, 2 + int(load / 2.0))[1:]
         loads = [at_tip(rod, [0.0, 0.0, p * UNIT]) for p in steps]
         state = solve(rod.system, flat(rod.system, rod.printed), loads).state
         assert np.abs(state.positions[:, 1]).max() < 1e-9
         x, _, z = rod.place(state)
-        found.append((z, 1.0 - x, angle(rod, state)))
-    tip = np.array(found).T
+        return z, 1.0 - x, angle(rod, state)
+
     # 6e-6: rounding of the fifth digit; the inextensible limit is reached to 1e-5 u
-    assert_second_order(sizes(counts), tip[0], w, 8e-6, 2e-4)
-    assert_second_order(sizes(counts), tip[1], u, 1.2e-5, 2e-4)
-    assert_second_order(sizes(counts), tip[2], slope, 1e-4, 2e-4)
+    assert_converges((20, 40, 80), tip, (w, 8e-6, 2e-4), (u, 1.2e-5, 2e-4), (slope, 1e-4, 2e-4))
 
 
 # V6
@@ -95,18 +100,14 @@ def test_tip_loaded_cantilever(load, w, u, slope):
 )
 def test_heavy_cantilever(gravity, reach, drop):
     """Romero et al. 2021."""
-    counts = (40, 80, 160)
-    found = []
-    for n in counts:
-        rod = cantilever(n, LENGTH, ARM)
+
+    def tip(rod: Cantilever) -> tuple[float, ...]:
         steps = np.geomspace(1.0, gravity, 1 + int(np.log2(gravity)))
         loads = [weight(rod, [0.0, 0.0, -g * UNIT]) for g in steps]
-        state = solve(rod.system, flat(rod.system, rod.printed), loads).state
-        x, _, z = rod.place(state)
-        found.append((x, -z))
-    place = np.array(found).T
-    assert_second_order(sizes(counts), place[0], reach, 2e-5, 2e-4)
-    assert_second_order(sizes(counts), place[1], drop, 4e-5, 2e-4)
+        x, _, z = rod.place(solve(rod.system, flat(rod.system, rod.printed), loads).state)
+        return x, -z
+
+    assert_converges((40, 80, 160), tip, (reach, 2e-5, 2e-4), (drop, 4e-5, 2e-4))
 
 
 # V7
@@ -121,23 +122,19 @@ def test_heavy_cantilever(gravity, reach, drop):
 )
 def test_naturally_curved_hanging_rod(phi, gravity, aside, drop):
     """Clamped with its tangent down (x is down here); the rest curvature bends it away from the plastic side (-z)."""
-    counts = (20, 40, 80)
-    found = []
-    for n in counts:
-        rod = cantilever(n, LENGTH, ARM, kappa=phi / LENGTH)
+
+    def tip(rod: Cantilever) -> tuple[float, ...]:
         rest = rod.system.parts["rod_bending"].params
         full, state = rest[:, 2].copy(), flat(rod.system, rod.printed)
         for part in (0.5, 1.0):
             rest[:, 2] = part * full
             state = solve(rod.system, state, [weight(rod, np.zeros(3))]).state
         steps = np.linspace(0.0, gravity, 2 + int(gravity / 3.0))[1:]
-        state = solve(rod.system, state, [weight(rod, [g * UNIT, 0.0, 0.0]) for g in steps]).state
-        x, _, z = rod.place(state)
-        found.append((-z, x))
-    place = np.array(found).T
-    h = sizes(counts)
-    for values, published in zip(place, (aside, drop), strict=True):
-        assert_second_order(h, values, published, 2e-5, 3e-4)
+        x, _, z = rod.place(solve(rod.system, state, [weight(rod, [g * UNIT, 0.0, 0.0]) for g in steps]).state)
+        return -z, x
+
+    expected = [(value, 2e-5, 3e-4) for value in (aside, drop)]
+    assert_converges((20, 40, 80), tip, *expected, rod=lambda n: cantilever(n, LENGTH, ARM, kappa=phi / LENGTH))
 
 
 def test_curved_rod_without_load_is_a_circle():
@@ -160,34 +157,32 @@ def test_curved_rod_without_load_is_a_circle():
 # V8
 
 
-def first_buckling(rod: Cantilever, load, low: float, high: float) -> float:
+def first_buckling(rod: Cantilever, load, low: float, high: float) -> tuple[float]:
     """Load factor at which the equilibrium that starts straight loses its stability."""
     start = flat(rod.system, rod.printed)
 
     def eigenvalue(factor: float) -> float:
         return lowest(rod.system, solve(rod.system, start, [load(rod, factor)]).state)
 
-    return critical(eigenvalue, low, high)
+    return (critical(eigenvalue, low, high),)
 
 
 def test_euler_column():
-    counts = (10, 20, 40)
     euler = np.pi**2 / 4.0 * UNIT
-    found = [
-        first_buckling(cantilever(n, LENGTH, ARM), lambda rod, f: at_tip(rod, [-f * euler, 0.0, 0.0]), 0.9, 1.1)
-        for n in counts
-    ]
-    assert_second_order(sizes(counts), found, 1.0, 1e-5, 2e-4)
+
+    def load(rod: Cantilever, factor: float) -> Array:
+        return at_tip(rod, [-factor * euler, 0.0, 0.0])
+
+    assert_converges((10, 20, 40), lambda rod: first_buckling(rod, load, 0.9, 1.1), (1.0, 1e-5, 2e-4))
 
 
 def test_column_under_its_own_weight():
     """Greenhill 1881."""
-    counts = (10, 20, 40)
-    found = [
-        first_buckling(cantilever(n, LENGTH, ARM), lambda rod, f: weight(rod, [-f * UNIT, 0.0, 0.0]), 7.5, 8.1)
-        for n in counts
-    ]
-    assert_second_order(sizes(counts), found, 7.83735, 2e-5, 4e-4)
+
+    def load(rod: Cantilever, factor: float) -> Array:
+        return weight(rod, [-factor * UNIT, 0.0, 0.0])
+
+    assert_converges((10, 20, 40), lambda rod: first_buckling(rod, load, 7.5, 8.1), (7.83735, 2e-5, 4e-4))
 
 
 @pytest.mark.parametrize(
@@ -203,10 +198,8 @@ def test_buckled_column(degrees, load, x, y):
     complete, second = ellipk(k * k), ellipe(k * k)
     exact = (2.0 * complete / np.pi) ** 2, 2.0 * second / complete - 1.0, 2.0 * k / complete
     np.testing.assert_allclose(exact, (load, x, y), atol=6e-5)
-    counts = (20, 40, 80)
-    found = []
-    for n in counts:
-        rod = cantilever(n, LENGTH, ARM)
+
+    def tip(rod: Cantilever) -> tuple[float, ...]:
         push, side = complete**2 * UNIT, 2.0 * k * UNIT
         # pushed over by a side load that goes away while the column is loaded
         loads = [at_tip(rod, [0.0, 0.0, side])]
@@ -214,11 +207,9 @@ def test_buckled_column(degrees, load, x, y):
         state = solve(rod.system, flat(rod.system, rod.printed), loads).state
         assert lowest(rod.system, state) > 0.0
         place = rod.place(state)
-        found.append((place[0], place[2], angle(rod, state)))
-    tip = np.array(found).T
-    assert_second_order(sizes(counts), tip[0], exact[1], 4e-5, 6e-4)
-    assert_second_order(sizes(counts), tip[1], exact[2], 4e-5, 3e-4)
-    assert_second_order(sizes(counts), tip[2], degrees, 2e-4, 1e-3)
+        return place[0], place[2], angle(rod, state)
+
+    assert_converges((20, 40, 80), tip, (exact[1], 4e-5, 6e-4), (exact[2], 4e-5, 3e-4), (degrees, 2e-4, 1e-3))
 
 
 # V9
@@ -235,13 +226,13 @@ def test_lateral_torsional_buckling(load, published, low, high):
     """
     strip, length = Material(width=30.0, thickness=0.3), 3000.0
     unit = np.sqrt(strip.about_width * strip.torsion) / length**2
-    counts = (10, 20, 40)
-    found = [
-        first_buckling(cantilever(n, length, strip), lambda rod, f: load(rod, [0.0, -f * unit, 0.0]), low, high)
-        for n in counts
-    ]
     corrected = published * (1.0 + 0.5 * (strip.about_width + strip.torsion) / strip.in_plane)
-    assert_second_order(sizes(counts), found, corrected, 5e-5, 1e-3)
+    assert_converges(
+        (10, 20, 40),
+        lambda rod: first_buckling(rod, lambda rod, f: load(rod, [0.0, -f * unit, 0.0]), low, high),
+        (corrected, 5e-5, 1e-3),
+        rod=lambda n: cantilever(n, length, strip),
+    )
 
 
 # V10

@@ -25,7 +25,7 @@ from asterism.draw.picture import (
     view_image,
 )
 from asterism.draw.render import View, camera, render, scene
-from asterism.draw.shading import FABRIC_SIDE, PLASTIC_SIDE
+from asterism.draw.shading import FABRIC_SIDE, OUTLINE_COLOUR, PLASTIC_SIDE
 from asterism.reports.write_results import write_results
 from asterism.shape.release_picture import FRAMES, released
 from asterism.shape.shape import Shape
@@ -70,7 +70,10 @@ def test_views_are_to_scale_and_each_side_has_its_colour() -> None:
         opaque = image[..., 3] > 0.5
         assert opaque.any(axis=0).sum() == pytest.approx(400, abs=3)
         assert opaque.any(axis=1).sum() == pytest.approx(320, abs=3)
-        middle = image[image.shape[0] // 2, image.shape[1] // 2, :3]
+        row = image[image.shape[0] // 2]
+        # two of the four rendered pixels at the edge are its outline, and the others are clear
+        assert np.allclose(row[np.flatnonzero(row[:, 3])[0]], [*OUTLINE_COLOUR, 0.5])
+        middle = row[len(row) // 2, :3]
         assert np.allclose(middle / middle.max(), np.array(colour) / max(colour), atol=0.03)
 
 

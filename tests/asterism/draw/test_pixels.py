@@ -1,12 +1,10 @@
-"""Every pixel sees the nearest triangle, without holes between neighbours, in its light and with its outline."""
+"""Every pixel sees the nearest triangle, without holes between neighbours."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from asterism.draw.render import rasterise
-from asterism.draw.shading import GLOSS_TABLE, HALFWAY, KEY_LIGHT, KEY_TABLE, OUTLINE_COLOUR, shade
-from asterism.equilibrium.arrays import Floats
 from tests.asterism import sheets
 
 
@@ -47,33 +45,3 @@ def test_what_lies_outside_or_edge_on_is_left_out() -> None:
     places = np.array([[-50.0, -50.0], [-10.0, -50.0], [-50.0, -10.0], [5.0, 5.0], [9.0, 9.0], [7.0, 7.0]])
     raster = rasterise(places, np.zeros(6), np.array([[0, 1, 2], [3, 4, 5]]), 10, 10)
     assert (raster.face == -1).all()
-
-
-def shaded(face: np.ndarray, depth: Floats, fineness: int = 1) -> Floats:
-    """The image of triangles of fabric that all face the viewer."""
-    count = int(face.max()) + 1
-    normals = np.zeros((3, count, 3))
-    normals[2] = [0.0, 0.0, 1.0]
-    image = np.zeros((*(size // fineness for size in face.shape), 4))
-    lights = np.stack([KEY_LIGHT, [0.0, 1.0, 0.0], HALFWAY])
-    around, none = np.full(image.shape[:2], -1e6), np.empty((3, 0, 3))
-    sides = np.full(count, True)
-    shade(face, depth, around, sides, normals, none, 9, 9, lights, KEY_TABLE, GLOSS_TABLE, 2.0, 0.1, image)
-    return image
-
-
-def test_the_pixel_behind_an_edge_is_its_outline_and_the_rest_is_clear() -> None:
-    face, depth = np.full((3, 6), -1), np.full((3, 6), -np.inf)
-    face[:, :2], depth[:, :2] = 0, 0.0
-    image = shaded(face, depth)
-    assert np.allclose(image[:, 2, :3], OUTLINE_COLOUR) and (image[:, 2, 3] == 1.0).all()
-    assert (image[:, 3:] == 0.0).all() and not np.allclose(image[:, 1, :3], OUTLINE_COLOUR)
-
-
-def test_a_pixel_is_the_mean_of_the_rendered_ones_that_show_the_sheet() -> None:
-    face, depth = np.full((2, 4), -1), np.full((2, 4), -np.inf)
-    face[:, :1], depth[:, :1] = 0, 0.0
-    image = shaded(face, depth, fineness=2)
-    whole = shaded(np.zeros((2, 2), int), np.zeros((2, 2)))[0, 0, :3]
-    assert np.allclose(image[0, 0, :3], (whole + OUTLINE_COLOUR) / 2) and image[0, 0, 3] == 1.0
-    assert (image[0, 1] == 0.0).all()

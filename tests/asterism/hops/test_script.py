@@ -1,4 +1,4 @@
-"""The script of the page on Grasshopper, as a client of a real server. Rhino's own classes have stand-ins."""
+"""The script of the page on Grasshopper, as a client of a real server. Classes of Rhino are those of its library."""
 
 from __future__ import annotations
 
@@ -20,49 +20,26 @@ import asterism
 from asterism.hops.components import Work
 from asterism.hops.server import application
 from asterism.process.local_server import LOOPBACK, bound, host_names, serve
-from tests.asterism.hops.client import hexagon
+from tests.asterism.hops.client import hexagon, places
 
 PAGE = (Path(__file__).parents[3] / "docs" / "how-to" / "grasshopper.md").read_text(encoding="utf-8")
 (SCRIPT,) = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
 
 
-class Point3d:
-    def __init__(self, x: float, y: float, z: float) -> None:
-        self.X, self.Y, self.Z = x, y, z
+rhino3dm = pytest.importorskip("rhino3dm")
 
 
-class Curve:
-    """A curve of Rhino that has corners only."""
+class Curve(rhino3dm.PolylineCurve):  # type: ignore[misc, name-defined]
+    """A curve through points, with a method that Rhino has and its library has not."""
 
     def __init__(self, points: Any) -> None:
-        self._points = [Point3d(*map(float, point)) for point in points]
-        self.PointCount = len(self._points)
-
-    def Point(self, number: int) -> Point3d:
-        return self._points[number]
+        line = rhino3dm.Polyline(len(points))
+        for point in np.asarray(points).tolist():
+            line.Add(*point)
+        super().__init__(line)
 
     def ToPolyline(self, tolerance: float, angle: float, least: float, most: float) -> Curve:
         return self
-
-
-class Polyline:
-    def __init__(self) -> None:
-        self._points: list[tuple[float, float, float]] = []
-
-    def Add(self, *place: float) -> None:
-        self._points.append(place)  # type: ignore[arg-type]
-
-    def ToPolylineCurve(self) -> Curve:
-        return Curve(self._points)
-
-
-class Mesh:
-    def __init__(self) -> None:
-        self.points: list[Any] = []
-        self.faces: list[Any] = []
-        self.Vertices = SimpleNamespace(Add=lambda *place: self.points.append(place))
-        self.Faces = SimpleNamespace(AddFace=lambda *corners: self.faces.append(corners))
-        self.Normals = SimpleNamespace(ComputeNormals=lambda: None)
 
 
 @pytest.fixture
@@ -79,10 +56,9 @@ def address(tmp_path: Path) -> Iterator[str]:
 
 def run(monkeypatch: pytest.MonkeyPatch, address: str, key: str = "secret", **inputs: Any) -> dict[str, Any]:
     """What the script leaves behind in Rhino."""
-    geometry = SimpleNamespace(Point3d=Point3d, Curve=Curve, Polyline=Polyline, Mesh=Mesh)
     doc = SimpleNamespace(ModelUnitSystem="Millimeters", ModelAbsoluteTolerance=0.01, ModelAngleToleranceRadians=0.02)
     rhino: Any = ModuleType("Rhino")
-    rhino.Geometry, rhino.RhinoDoc = geometry, SimpleNamespace(ActiveDoc=doc)
+    rhino.Geometry, rhino.RhinoDoc = rhino3dm, SimpleNamespace(ActiveDoc=doc)
     kernel: Any = ModuleType("Grasshopper.Kernel")
     kernel.GH_RuntimeMessageLevel = SimpleNamespace(Warning="orange")
     for name, module in (("Rhino", rhino), ("Grasshopper", ModuleType("Grasshopper")), ("Grasshopper.Kernel", kernel)):
@@ -107,16 +83,16 @@ def test_the_script_is_short_and_of_the_python_of_rhino():
 def test_the_script_shows_a_sheet(monkeypatch: pytest.MonkeyPatch, address: str):
     left = run(monkeypatch, address, outline=Curve(hexagon(1)), lengths=[7.0])
     shape = asterism.preview(asterism.Design.from_dict(tomllib.loads(left["design"])))
-    np.testing.assert_allclose(left["mesh"].points, shape.positions, atol=1e-6)
-    assert np.array_equal(left["mesh"].faces, shape.triangles) and len(left["arms"]) == 21
+    np.testing.assert_allclose(places(left["mesh"]), shape.positions, atol=1e-4)
+    assert left["mesh"].Faces.Count == len(shape.triangles) and len(left["arms"]) == 21
     assert left["rim"].PointCount > 20 and left["error"] > 0.0
 
 
 def test_the_script_holds_a_sheet_on_needles_and_shows_warnings(monkeypatch: pytest.MonkeyPatch, address: str):
     corners = hexagon(1)[:6:2]
-    needles, targets = ([Point3d(*(scale * corner)) for corner in corners] for scale in (1.0, 0.75))
+    needles, targets = ([rhino3dm.Point3d(*(scale * corner)) for corner in corners] for scale in (1.0, 0.75))
     left = run(monkeypatch, address, outline=Curve(hexagon(1)), lengths=[7.0], needles=needles, targets=targets)
-    held = np.array(left["mesh"].points)
+    held = places(left["mesh"])
     assert all(np.linalg.norm(held - 0.75 * corner, axis=1).min() < 0.01 for corner in corners)
     left = run(monkeypatch, address, outline=Curve(hexagon(1)), lengths=[9.5])
     assert any(level == "orange" and "too tightly" in text for level, text in left["told"])
