@@ -271,14 +271,7 @@ def _ask(cost: Cost) -> None:
 
 
 def with_design_file(error: Error, file: Path) -> Error:
-    """The error after the name of the file, if it is about a field of a design and names no file.
-
-    >>> from asterism.homogenize.errors import LawError
-    >>> print(with_design_file(LawError("rods.motif: is missing", field="rods.motif"), Path("leaf.toml")))
-    leaf.toml: rods.motif: is missing
-    >>> print(with_design_file(Error("--law: is for a new preview"), Path("leaf.toml")))
-    --law: is for a new preview
-    """
+    """The error after the name of the file, if it is about a field of a design and names no file."""
     from asterism.homogenize.errors import LawError
     from asterism.pattern.design.design import Design
     from asterism.pattern.design.errors import DesignError

@@ -27,11 +27,7 @@ def families() -> list[str]:
 
 
 def printable(text: str) -> str:
-    """The text with letters that no installed font has as their numbers; they would be drawn as boxes.
-
-    >>> printable("dome 7 \\u00d7 3"), printable("a\\U0010fffd")
-    ('dome 7 × 3', 'a<U+10FFFD>')
-    """
+    """The text with letters that no installed font has as their numbers; they would be drawn as boxes."""
     known = _letters()
     return "".join(letter if ord(letter) in known or letter == "\n" else f"<U+{ord(letter):04X}>" for letter in text)
 

@@ -220,13 +220,6 @@ class Canvas:
     Attributes
     ----------
     image : the picture, RGB.
-
-    Examples
-    --------
-    >>> canvas = Canvas(200, 40)
-    >>> canvas.text(10, 12, "dome", size=8, color="#000000")
-    >>> canvas.image.getextrema()[0]
-    (0, 255)
     """
 
     def __init__(self, width: int, height: int) -> None:
@@ -273,11 +266,7 @@ class Canvas:
 
 
 def _lettered(text: str, pixels: float, bold: bool = False) -> list[tuple[ImageFont.FreeTypeFont, str]]:
-    """Parts of a text, each with a font of this size that has its letters.
-
-    >>> [part for _, part in _lettered("7 × 3 mm", 20.0)]
-    ['7 × 3 mm']
-    """
+    """Parts of a text, each with a font of this size that has its letters."""
     if all(ord(letter) < FIRST_RARE_LETTER and letter.isprintable() for letter in text):
         return [(_font(usual_font(bold), pixels), text)]
     from asterism.draw.fonts import font_runs  # imports matplotlib, which takes long, for names with other letters

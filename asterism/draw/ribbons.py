@@ -16,50 +16,27 @@ class Drawable(Protocol):
     """A sheet in space with its arms, supports and numbers; attributes as of `asterism.shape.shape.Shape`."""
 
     @property
-    def printed(self) -> np.ndarray:
-        """(V, 2) mm."""
-
+    def printed(self) -> np.ndarray: ...
     @property
-    def positions(self) -> np.ndarray:
-        """(V, 3) mm."""
-
+    def positions(self) -> np.ndarray: ...
     @property
-    def triangles(self) -> np.ndarray:
-        """(T, 3)."""
-
+    def triangles(self) -> np.ndarray: ...
     @property
-    def rods(self) -> Sequence[np.ndarray]:
-        """Vertices of each arm."""
-
+    def rods(self) -> Sequence[np.ndarray]: ...
     @property
-    def rod_fields(self) -> Mapping[str, np.ndarray]:
-        """Arrays over the edges of all rods."""
-
+    def rod_fields(self) -> Mapping[str, np.ndarray]: ...
     @property
-    def summary(self) -> Mapping[str, Any]:
-        """The numbers of the caption."""
-
+    def summary(self) -> Mapping[str, Any]: ...
     @property
-    def held(self) -> bool:
-        """Whether pins support the sheet."""
-
+    def held(self) -> bool: ...
     @property
-    def layout(self) -> Layout | None:
-        """The layout with the pins."""
-
+    def layout(self) -> Layout | None: ...
     @property
-    def height_mm(self) -> float:
-        """Extent along z."""
-
+    def height_mm(self) -> float: ...
     @property
-    def extent_mm(self) -> tuple[float, float, float]:
-        """Size of the bounding box."""
-
-    def at(self, printed_points: Floats, off_sheet_mm: float = 0.0) -> Floats:
-        """Positions in space of printed points."""
-
-    def aligned(self) -> Self:
-        """A copy turned to its principal axes."""
+    def extent_mm(self) -> tuple[float, float, float]: ...
+    def at(self, printed_points: Floats, off_sheet_mm: float = 0.0) -> Floats: ...
+    def aligned(self) -> Self: ...
 
 
 def ribbons(shape: Drawable) -> tuple[Floats, Floats, Ints]:

@@ -48,7 +48,7 @@ def many_minima(minima: Minima, starts: int) -> StartsRecord:
         starts=starts,
         starts_lost=minima.lost_starts,
         symmetries=len(minima.symmetries),
-        minima_coarse=[_entry(b, minima).changed(carried=kept) for b, kept in zip(coarse, minima.refined, strict=True)],
+        minima_coarse=[_entry(b, minima) | {"carried": kept} for b, kept in zip(coarse, minima.refined, strict=True)],
     )
 
 
@@ -75,7 +75,7 @@ def several_minima(
         minima_not_carried=not_carried,
         next_minimum_percent=None if higher is None else 100.0 * higher / elastic if elastic else math.inf,
         next_minimum_n_mm=higher,
-        minima=[each.changed(file=f"minimum-{k}" if k > 1 else "shape") for k, each in enumerate(entries, 1)],
+        minima=[each | {"file": f"minimum-{k}" if k > 1 else "shape"} for k, each in enumerate(entries, 1)],
         minima_distance_percent=distances_percent,
         **more,
     )

@@ -65,7 +65,7 @@ def exact_shape(
     plan : layout of the design; computed by default.
     edge_mm : of a single mesh. The shape then follows `near` to the next minimum, and has no estimate of its mesh
         error; coarser meshes first find low minima from afar. With one start only.
-    shared : from `shared_search`: the meshes of this design and plan, and the states of an earlier search, where this
+    shared : the meshes of this design and plan, and the states of an earlier search, where this
         one ends as soon as it reaches the same state on a coarse mesh. With one start only.
 
     Returns
@@ -93,7 +93,7 @@ def exact_shape(
     if design.solver.contact:
         ipc_toolkit()  # fails at once if the library is missing
     check_weight_is_supported(design, plan)
-    search = shared or shared_search(design, plan, edge_mm)
+    search = shared or SharedSearch(Ladder(design, plan, edge_mm))
     ladder = search.ladder
     stars, rods = f"{len(plan.centres)} stars", f"{len(plan.drawn_rods)} rods"
     printed = " and ".join([*([stars] if plan.has_stars else []), *([rods] if plan.drawn_rods else [])])
@@ -114,11 +114,6 @@ def exact_shape(
         _shape(ladder, end, levels, more | {"wall_s_by_stage": before | end.seconds}) for end, levels in ends
     )
     return replace(best, others=tuple(others))
-
-
-def shared_search(design: Design, plan: Layout, edge_mm: float | None = None) -> SharedSearch:
-    """A search of one or several starts on the same meshes, for `exact_shape`; `edge_mm` as there."""
-    return SharedSearch(Ladder(design, plan, edge_mm))
 
 
 def _meshes(ladder: Ladder) -> str:
@@ -184,7 +179,7 @@ def _shape(ladder: Ladder, equilibrium: Equilibrium, levels: list[MeshLevel], mo
         point_fields=point_fields(shape.positions, shape.triangles),
         cell_fields=cell_fields(shape.printed, shape.positions, shape.triangles, fabric.stretch_xy),
         # scripts read each part of the energy as a key
-        summary=record.changed(warnings=exact_warnings(record, model.design, plan), **equilibrium.energies),
+        summary=record | equilibrium.energies | {"warnings": exact_warnings(record, model.design, plan)},
     )
 
 

@@ -121,7 +121,7 @@ def spread(shape: Shape, backend: str = "auto", report: Report | None = None, sa
     search.check_furthest()
     record = _record(design.spread or Spread(), names, search, time.perf_counter() - begin)
     warnings = [*shape.summary["warnings"], *_warnings(record)]
-    return replace(shape, summary=shape.summary.changed(spread=record, warnings=warnings))
+    return replace(shape, summary=shape.summary | {"spread": record, "warnings": warnings})
 
 
 def check_spread(design: Design, plan: Layout) -> list[str]:
@@ -292,7 +292,7 @@ class _Search:
             record = end.record
             back = self._solve(self.model, end.equilibrium.state, f"back from {VALUES[record.value]}")
             forms = distinct_forms([start, ExactForm(back, self.model, ("back",), False)], design_symmetries)
-            self.ends[record.value, record.end] = replace(end, record=record.changed(comes_back=len(forms) == 1))
+            self.ends[record.value, record.end] = replace(end, record=record | {"comes_back": len(forms) == 1})
 
     def response(self, names: list[str]) -> tuple[Floats, Floats]:
         """Slope and curve (names, values) of the change `t @ slope + t^2 @ curve`; without an end it is linear."""

@@ -53,11 +53,6 @@ def module_text(files: Mapping[str, str], entry: str) -> str:
 
     JavaScript imports by relative paths, at the beginning of a line; a style sheet is imported as the text that it
     holds.
-
-    >>> files = {"page/a.js": 'import { b } from "./b.js";\\nexport default b;', "page/b.js": ""}
-    >>> text = module_text(files, "page/a.js")
-    >>> text.index("page/b.js") < text.index("page/a.js")
-    True
     """
     sources: dict[str, str] = {}
 

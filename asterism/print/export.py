@@ -235,7 +235,7 @@ def shape_change(drawn: Shape, printed: Shape, design: Design, plan: Layout, mod
         stars_outside_law=len(outside[0] or outside[1]),
         warnings=list(printed.summary.get("warnings", [])),
     )
-    return change.changed(minima=printed.summary["minima"]) if model == "exact" else change
+    return change | {"minima": printed.summary["minima"]} if model == "exact" else change
 
 
 def plastic_warning(design: Design, plastic: PlasticProfile) -> Iterator[str]:

@@ -125,11 +125,7 @@ def serve(listening: socket.socket, app: Any, stop: Callable[[], None] | None = 
 
 
 def host_names(listen: str, port: int) -> frozenset[str]:
-    """The values of the header Host that name a server at an address and a port.
-
-    >>> sorted(host_names("127.0.0.1", 80)), sorted(host_names("::1", 80))
-    (['127.0.0.1:80', 'localhost:80'], ['[::1]:80'])
-    """
+    """The values of the header Host that name a server at an address and a port."""
     names = {listen, "localhost"} if listen == LOOPBACK else {listen}
     return frozenset(f"[{name}]:{port}" if ":" in name else f"{name}:{port}" for name in names)
 

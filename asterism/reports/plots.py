@@ -9,7 +9,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from io import BytesIO
 from pathlib import Path
-from typing import IO
 
 import numpy as np
 from matplotlib import colormaps
@@ -204,25 +203,20 @@ def _ends(edges: SheetEdges, middle: Floats, direction: Floats) -> tuple[float, 
 
 
 def _in_plane(exact: Floats, preview: Floats) -> tuple[Floats, Floats]:
-    """(n, 2) mm, both curves projected to the best-fit plane of the exact curve, with its centre as origin."""
-    plane, middle = _plane(exact), exact.mean(axis=0)
-    return (exact - middle) @ plane.T, (preview - middle) @ plane.T
-
-
-def _plane(curve: Floats) -> Floats:
-    """(2, 3) axes of the best-fit plane of a curve: along its chord, and perpendicular to it, upwards."""
-    normal = np.linalg.svd(curve - curve.mean(axis=0), full_matrices=False)[2][2]
-    chord = curve[-1] - curve[0]
+    """(n, 2) mm, both curves in the best-fit plane of the exact one: along its chord, and upwards."""
+    middle, chord = exact.mean(axis=0), exact[-1] - exact[0]
+    normal = np.linalg.svd(exact - middle, full_matrices=False)[2][2]
     chord -= (chord @ normal) * normal
     first = chord / np.linalg.norm(chord)
     second = np.cross(normal, first)
-    return np.array([first, second if second[2] >= 0.0 else -second])
+    plane = np.array([first, second if second[2] >= 0.0 else -second])
+    return (exact - middle) @ plane.T, (preview - middle) @ plane.T
 
 
 BAND_COLOUR = "#2a6f97"
 
 
-def draw_spread(record: SpreadRecord, name: str, path_or_file: str | Path | IO[bytes]) -> None:
+def draw_spread(record: SpreadRecord, name: str, path: Path) -> None:
     """Draw the range of shapes of a design as PNG."""
     figure = Figure(figsize=(10, 4.2), dpi=150, facecolor="white")
     FigureCanvasAgg(figure)
@@ -248,4 +242,4 @@ def draw_spread(record: SpreadRecord, name: str, path_or_file: str | Path | IO[b
     figure.text(0.012, 0.86, record.range_in_words, fontsize=10, color=INK)
     if record.best_measurement is not None:
         figure.text(0.012, 0.81, f"measure {record.best_measurement}", fontsize=10, color=PALE)
-    figure.savefig(path_or_file, format="png", dpi=150)
+    figure.savefig(path, format="png", dpi=150)

@@ -90,9 +90,7 @@ def read_rows(path: Path, known: tuple[str, ...], required: tuple[str, ...]) -> 
         raise TableError(path, None, None, "is empty")
     first, head = lines[0]
     separator = max(",;\t", key=head.count)
-    names = _cells(path, first, head, separator)
-    while names and not names[-1]:
-        names.pop()
+    names = _cells(path, first, head, separator, 0)
     for name in names:
         if name not in known:
             raise TableError(path, first, None, f"no column {name!r} is known; there are {', '.join(known)}")
@@ -103,9 +101,7 @@ def read_rows(path: Path, known: tuple[str, ...], required: tuple[str, ...]) -> 
             raise TableError(path, first, None, f"the column {name} is missing")
     rows = []
     for number, line in lines[1:]:
-        texts = _cells(path, number, line, separator)
-        while len(texts) > len(names) and not texts[-1]:
-            texts.pop()
+        texts = _cells(path, number, line, separator, len(names))
         if len(texts) > len(names):
             problem = f"{len(texts)} cells, but the header has {len(names)}"
             if separator == ",":
@@ -116,12 +112,15 @@ def read_rows(path: Path, known: tuple[str, ...], required: tuple[str, ...]) -> 
     return rows
 
 
-def _cells(path: Path, number: int, line: str, separator: str) -> list[str]:
-    """The texts of the cells of a line."""
+def _cells(path: Path, number: int, line: str, separator: str, least: int) -> list[str]:
+    """The texts of the cells of a line, without the empty ones at its end beyond the first `least` cells."""
     try:
-        return [text.strip() for text in next(csv.reader([line], delimiter=separator))]
+        texts = [text.strip() for text in next(csv.reader([line], delimiter=separator))]
     except csv.Error as error:
         raise TableError(path, number, None, str(error)) from None
+    while len(texts) > least and not texts[-1]:
+        texts.pop()
+    return texts
 
 
 def _lines(path: Path) -> list[tuple[int, str]]:

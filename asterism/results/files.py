@@ -81,15 +81,6 @@ def staged(directory: str | Path, stale: str | None = None) -> Iterator[Path]:
     ------
     OutputError
         A file cannot be written.
-
-    Examples
-    --------
-    >>> import tempfile
-    >>> target = Path(tempfile.mkdtemp()) / "star"
-    >>> with staged(target) as folder:
-    ...     _ = (folder / "summary.json").write_text("{}")
-    >>> [file.name for file in target.iterdir()]
-    ['summary.json']
     """
     directory = Path(directory)
     clear_unfinished(directory)

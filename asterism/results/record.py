@@ -89,12 +89,8 @@ class Record(Mapping[str, Any]):
         """The text of a JSON file."""
         return json.dumps(self.to_json(), indent=2, allow_nan=False) + "\n"
 
-    def changed(self, **values: Any) -> Self:
-        """A copy with other values of some keys, or with further keys."""
-        return self | values
-
     def __or__(self, values: Mapping[str, Any]) -> Self:
-        """As `changed`, from a mapping."""
+        """A copy with other values of some keys, or with further keys."""
         return type(self).from_json({**vars(self), **values})
 
     def table(self, names: Iterable[str] | None = None) -> dict[str, str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 MAX_NAMED_STARS = 8
@@ -130,16 +130,14 @@ def doubts(summary: Mapping[str, Any]) -> list[str]:
     >>> doubts({"model": "preview", "stars": 7, "stars_outside_law": ["star 0"] * 7, "self_intersections": 3})
     ['all 7 stars are outside the law', 'the sheet passes through itself (3 crossings)']
     """
-    parts = (summary, *(summary[name] for name in ("preview", "exact") if isinstance(summary.get(name), Mapping)))
-    return list(dict.fromkeys(line for part in parts for line in _of_shape(part)))
-
-
-def _of_shape(summary: Mapping[str, Any]) -> Iterator[str]:
-    stars, outside = summary.get("stars"), summary.get("stars_outside_law", ())
-    if stars and isinstance(stars, int) and len(outside) >= stars:
-        yield f"all {stars} stars are outside the law" if stars > 1 else "the star is outside the law"
-    if pairs := summary.get("self_intersections"):
-        yield passing(pairs)
+    lines = []
+    for part in (summary, *(summary[name] for name in ("preview", "exact") if isinstance(summary.get(name), Mapping))):
+        stars, outside = part.get("stars"), part.get("stars_outside_law", ())
+        if stars and isinstance(stars, int) and len(outside) >= stars:
+            lines.append(f"all {stars} stars are outside the law" if stars > 1 else "the star is outside the law")
+        if pairs := part.get("self_intersections"):
+            lines.append(passing(pairs))
+    return list(dict.fromkeys(lines))
 
 
 def passing(pairs: int) -> str:
@@ -153,12 +151,6 @@ class PlacedWarning(str):
     Attributes
     ----------
     stars : numbers of the stars.
-
-    Examples
-    --------
-    >>> warning = PlacedWarning("2 stars curl too tightly", stars=[3, 7])
-    >>> warning, warning.stars
-    ('2 stars curl too tightly', (3, 7))
     """
 
     stars: tuple[int, ...]

@@ -24,16 +24,11 @@ def shape_numbers(
 ) -> dict[str, Any]:
     """The numbers that the summaries of both models have, by their keys; `end` is where the search has ended."""
     above, below = needle_clearance(layout, shape) or (None, None)
-    return {
-        "converged": end.converged,
-        "is_minimum": end.is_minimum,
-        "gradient_norm": end.gradient_norm,
+    same = ("converged", "is_minimum", "gradient_norm", "iterations", "factorisations", "saddles_left")
+    return {name: getattr(end, name) for name in same} | {
         "gradient_tolerance": end.tolerance,
         "energy_n_mm": end.energy,
         "energy_parts_n_mm": end.energies,
-        "iterations": end.iterations,
-        "factorisations": end.factorisations,
-        "saddles_left": end.saddles_left,
         "roll_axis_deg": roll_axis_deg,
         "roll_radius_mm": None if roll_axis_deg is None else _roll_radius(shape, layout),
         "height_mm": shape.height_mm,
@@ -122,23 +117,7 @@ def tube_radius(points: Floats, normals: Floats) -> float | None:
 
 
 def needle_clearance(layout: Layout, shape: Shape) -> tuple[float, float] | None:
-    """The heights (mm) of a sheet over its highest support and below its lowest one; None for a free sheet.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from asterism.pattern.layout.build import layout
-    >>> from asterism.pattern.gallery import load
-    >>> plan = layout(load("dome"))
-    >>> corners = np.vstack([plan.outline, [[0.0, 0.0]]])
-    >>> rim = np.arange(len(plan.outline))
-    >>> fan = np.column_stack([rim, np.roll(rim, -1), np.full(len(rim), len(rim))])
-    >>> height = np.append(np.zeros(len(rim)), 12.0)
-    >>> positions, no_star = np.column_stack([corners, height]), np.full(len(height), -1)
-    >>> tent = Shape(corners, positions, fan, no_star, (), np.array([len(rim)]))
-    >>> [round(height, 6) for height in needle_clearance(plan, tent)]
-    [12.0, 0.0]
-    """
+    """The heights (mm) of a sheet over its highest support and below its lowest one; None for a free sheet."""
     printed = layout.support_samples.printed
     if len(printed) == 0:
         return None

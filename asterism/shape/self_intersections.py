@@ -12,15 +12,7 @@ from asterism.shape.surface_fields import directed_edges
 
 
 def self_intersections(positions: Float[np.ndarray, "V 3"], triangles: Int[np.ndarray, "T 3"]) -> int:
-    """Count the pairs of triangles (T, 3) at positions (V, 3) mm that pass through each other and share no vertex.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> points = np.array([[0, 0, 0], [2, 0, 0], [0, 2, 0], [0.5, 0.5, -1], [0.5, 0.5, 1], [3, 3, 0]], dtype=float)
-    >>> self_intersections(points, np.array([[0, 1, 2], [3, 4, 5]]))
-    1
-    """
+    """Count the pairs of triangles (T, 3) at positions (V, 3) mm that pass through each other and share no vertex."""
     pairs = _close_pairs(positions, triangles)
     corner = positions[triangles]
     through = _edge_through(corner[pairs[:, 0]], corner[pairs[:, 1]])

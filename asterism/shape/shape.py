@@ -22,8 +22,7 @@ from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.sheet_mesh import sheet_mesh
 from asterism.results.records.exact import ExactRecord
 from asterism.results.records.preview import PreviewRecord
-from asterism.shape.pose import upright_rotation
-from asterism.shape.surface_fields import surface_triangle_areas
+from asterism.shape.surface_fields import surface_triangle_areas, upright_rotation
 
 if TYPE_CHECKING:
     from PIL import Image

@@ -28,33 +28,29 @@ def write_shape_vtu(shape: Shape, path: str | Path) -> None:
     Point arrays: `printed_mm` (printed coordinates, z = 0), `star` (number of the star whose centre is this point, -1
     elsewhere) and `point_fields`. Cell arrays: `cell_fields`.
     """
-    points = {"printed_mm": _flat(shape.printed), "star": shape.star, **shape.point_fields}
-    _write(path, shape.positions, "triangle", shape.triangles, points, shape.cell_fields)
+    _write(path, shape, slice(None), ("triangle", shape.triangles), shape.cell_fields, shape.point_fields)
 
 
 def write_rods_vtu(shape: Shape, path: str | Path) -> None:
     """Write a line for each rod edge; `arm`, `star`, `thickness_mm` and `width_mm` are among its arrays."""
     used, edges = np.unique(shape.rod_edges, return_inverse=True)
-    points = {"printed_mm": _flat(shape.printed[used]), "star": shape.star[used]}
-    _write(path, shape.positions[used], "line", edges.reshape(-1, 2), points, shape.rod_fields)
-
-
-def _flat(printed: np.ndarray) -> np.ndarray:
-    return np.column_stack([printed, np.zeros(len(printed))])
+    _write(path, shape, used, ("line", edges.reshape(-1, 2)), shape.rod_fields, {})
 
 
 def _write(
     path: str | Path,
-    positions: np.ndarray,
-    kind: str,
-    cells: np.ndarray,
-    points: Mapping[str, np.ndarray],
+    shape: Shape,
+    vertices: Any,
+    cells: tuple[str, np.ndarray],
     fields: Mapping[str, np.ndarray],
+    more: Mapping[str, np.ndarray],
 ) -> None:
-    """Write one block of cells in VTK's binary form."""
+    """Write one block of cells, of some vertices of a shape, in VTK's binary form; `more` are fields of these."""
+    printed = np.pad(shape.printed[vertices], ((0, 0), (0, 1)))
+    points = {"printed_mm": printed, "star": shape.star[vertices], **more}
     mesh = meshio.Mesh(
-        np.asarray(positions, dtype=np.float64),
-        [(kind, np.asarray(cells, dtype=np.int64))],
+        np.asarray(shape.positions[vertices], dtype=np.float64),
+        [(cells[0], np.asarray(cells[1], dtype=np.int64))],
         point_data={name: _plain(values) for name, values in points.items()},
         cell_data={name: [_plain(values)] for name, values in fields.items()},
     )

@@ -16,7 +16,7 @@ from asterism.pattern.geometry.planar import triangle_areas
 from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.previews.session import Preview
 from asterism.previews.solve import EDIT_START
-from asterism.shape.pose import upright_rotation
+from asterism.shape.surface_fields import upright_rotation
 from asterism.studio.messages import Frame, Parts, Surface, TargetPose
 from asterism.studio.sheet_frames import SheetMarks, smooth_arrays
 

@@ -280,13 +280,13 @@ class ExactForms:
     """
 
     def __init__(self, order: Settle, design: Design, connection: Connection) -> None:
-        from asterism.exact.simulation import shared_search
+        from asterism.discrete.release.levels import Ladder, SharedSearch
         from asterism.pattern.layout.build import layout
 
         self._order, self._design, self._connection = order, design, connection
         self._plan = layout(design)
         self._near: Shape | None = None if order.near is None else pickle.loads(order.near)
-        self._search = shared_search(design, self._plan)
+        self._search = SharedSearch(Ladder(design, self._plan))
         self._exact = self._solved("exact shape", order.job, self._near)
         self.release: tuple[Released, Shape | None] | None = None  # with the other shape, as soon as it is known
 

@@ -7,9 +7,10 @@ from dataclasses import replace
 from typing import Any
 
 from asterism.discrete.release.continuation import Report, prefixed_report
+from asterism.discrete.release.levels import Ladder, SharedSearch
 from asterism.equilibrium.errors import Error
 from asterism.exact.minima import BY_ENERGY, FROM_DEFAULT_START, several_minima
-from asterism.exact.simulation import exact_shape, shared_search
+from asterism.exact.simulation import exact_shape
 from asterism.homogenize.law.law import Law
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
@@ -82,7 +83,7 @@ def simulate(
         return exact_shape(design, backend, report, say, 1 if starts is None else starts, near)
     tell = say or ignore_line
     plan = layout(design)
-    shared = shared_search(design, plan)
+    shared = SharedSearch(Ladder(design, plan))
     released = exact_shape(design, backend, report, say, plan=plan, shared=shared)
     if plan.drawn is not None:  # the flat print is the only start of drawn rods
         return released

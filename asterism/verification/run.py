@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 from asterism.discrete.release.continuation import Report
+from asterism.discrete.release.levels import Ladder, SharedSearch
 from asterism.equilibrium.newton.minimise import Iteration
-from asterism.exact.simulation import exact_shape, shared_search
+from asterism.exact.simulation import exact_shape
 from asterism.homogenize.law.law import Law
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.symmetries import symmetries
@@ -72,7 +72,16 @@ def verify(
         layout_s = clock() - begun
         if law is None and ready is None:
             law = serving_law(design, plan, say=tell)
-        shared = shared_search(design, plan)
+        shared = SharedSearch(Ladder(design, plan))
+
+        def timed(known: Shape | None, make: Callable[[], Shape], line: str = "") -> tuple[Shape, float]:
+            """A shape and its computing time (s) with the shared layout; the recorded time if it is known."""
+            if known is not None:
+                return known, float(known.summary["wall_s"])
+            if line:
+                tell(line)
+            begun = clock()
+            return make(), clock() - begun + layout_s
 
         def solve(stage: str, near: Shape | None = None) -> Shape:
             counted = ExactProgress(stage, step)
@@ -86,15 +95,11 @@ def verify(
             counted.finish()
             return shape
 
-        quick, preview_s = _timed(clock, partial(preview, design, law, plan=plan), layout_s, ready)
+        quick, preview_s = timed(ready, lambda: preview(design, law, plan=plan))
         tell(f"preview done in {preview_s:.2f} s")
         step(STAGES[0], 1, 1)
-        if released is None:
-            tell("exact model, released from the flat print")
-        released, exact_s = _timed(clock, partial(solve, STAGES[1]), layout_s, released)
-        if near is None:
-            tell("exact model, started from the preview")
-        near, near_s = _timed(clock, partial(solve, STAGES[2], quick), layout_s, near)
+        released, exact_s = timed(released, lambda: solve(STAGES[1]), "exact model, released from the flat print")
+        near, near_s = timed(near, lambda: solve(STAGES[2], quick), "exact model, started from the preview")
     tell("comparing")
     step(STAGES[3], 0, 1)
     same, pull = symmetries(design, plan), design.gravity.pull
@@ -106,16 +111,6 @@ def verify(
     seconds = {"preview_s": preview_s, "exact_s": exact_s, "exact_from_preview_s": near_s}
     step(STAGES[3], 1, 1)
     return replace(verification, summary=_summary(verification, between, agree, seconds, command))
-
-
-def _timed(
-    clock: Callable[[], float], make: Callable[[], Shape], layout_s: float, known: Shape | None = None
-) -> tuple[Shape, float]:
-    """A shape and its computing time (s) including the shared layout; the recorded time if the shape is known."""
-    if known is not None:
-        return known, float(known.summary["wall_s"])
-    begun = clock()
-    return make(), clock() - begun + layout_s
 
 
 def _summary(

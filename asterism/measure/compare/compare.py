@@ -343,7 +343,7 @@ def compare(
         size, expected = (float(np.linalg.norm(np.ptp(points, axis=0))) for points in (outlined.corners, seen))
         check_size(scan, size, expected, outlined.unit)
         fitted = fit_outline(outlined.corners, seen, trim)
-        about = about.changed(units=outlined.unit or "its own")
+        about = about | {"units": outlined.unit or "its own"}
         distances = fitted.distances(diameter(target.positions))
         summary = OutlineComparisonRecord(**about, view=view, lines=outlined.lines, **distances)
         return MeasuredComparison(fitted, summary, f"{title}, seen from {'' if view == 'above' else 'the '}{view}")
