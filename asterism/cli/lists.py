@@ -8,6 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
+import asterism
 from asterism.cli.options import (
     DaskAddress,
     MaterialFile,
@@ -138,7 +139,6 @@ def calibrate(
     """
     from asterism.homogenize.campaign.kept_samples import cells_folder
     from asterism.homogenize.campaign.workers import default_jobs
-    from asterism.laws import calibrate as calibration
     from asterism.laws.design_law import is_design, law_output_path, plan_from_file
     from asterism.laws.show_law import law_lines
     from asterism.pattern.design.errors import DesignError
@@ -152,7 +152,7 @@ def calibrate(
     workers = jobs or default_jobs()
     try:
         with run.resumable(cells_folder(), "cells"):
-            law = calibration.calibrate(plan, path, workers, dask, line, run.hand_over())
+            law = asterism.calibrate(plan, path, workers, dask, line, run.hand_over())
     except DesignError as error:
         raise error.within(material or file or "") from None
     run.lines([*law_lines(law), f"{path}: the law; its cells stay in {cells_folder()}"])
@@ -170,11 +170,10 @@ def show(
     output: Annotated[Path | None, output_option("Directory (default: the name of the law).")] = None,
 ) -> None:
     """Print a law and its errors as tables, and draw it in law.png."""
-    from asterism.homogenize.law.law_file import PAPER_LAW, load_law
-    from asterism.laws.show_law import held_out_warning, show_law
+    from asterism.laws.show_law import held_out_warning
 
-    lines = show_law(path, output)
-    doubt = held_out_warning(load_law(path or PAPER_LAW))
+    lines = asterism.show_law(path, output)
+    doubt = held_out_warning(asterism.load_law(path))
     run.table({}, doubts=[doubt] if doubt else [])
     run.lines(lines)
 

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 
 import typer
 
+import asterism
 from asterism.cli.options import (
     DesignFile,
     LawFile,
@@ -39,12 +40,11 @@ def report(
 
     from asterism.homogenize.errors import LawError
     from asterism.laws.design_law import law_from_file
-    from asterism.reports.design_report import report as write
 
     if law and results:
         raise LawError("--law: is for a new preview, not with --results")
     path = output or design.with_name(f"{design.stem}-report.pdf")
-    written = write(
+    written = asterism.report(
         plan,
         path,
         results=results,
@@ -76,10 +76,8 @@ def compare_designs(
     Differences are those from the first design. A design without a shape is on the page with the reason.
     """
     from asterism.exact.cost import exact_cost
-    from asterism.homogenize.law.law_file import load_law
     from asterism.laws.replace_material import read_design
     from asterism.reports.compare_designs import MAX_COMPARED_DESIGNS
-    from asterism.reports.compare_designs import compare_designs as write
     from asterism.results.words import table_lines
 
     if not 2 <= len(designs) <= MAX_COMPARED_DESIGNS:
@@ -89,11 +87,11 @@ def compare_designs(
     plans = [read_design(file, material, run.warn) for file in designs]
     stems = [file.stem for file in designs]
     path = output or designs[0].with_name("-".join(dict.fromkeys(stems)) + ".html")
-    own_law = load_law(law) if law else None
+    own_law = asterism.load_law(law) if law else None
     if exact:
         run.cost(exact_cost(max(plans, key=lambda plan: exact_cost(plan).seconds), shapes=len(plans)))
     with run.computing():
-        written = write(
+        written = asterism.compare_designs(
             plans,
             path,
             names=stems,
@@ -135,7 +133,6 @@ def picture(
     from asterism.draw.picture import check_picture, fitting_scale, view_image
     from asterism.results.files import check_writable, write_file
     from asterism.shape.release_picture import release_gif
-    from asterism.shape.vtu import read_shape
 
     width, height = size
     pixels = (int(width), int(height)) if (width, height) == (width // 1, height // 1) else (0, 0)
@@ -151,7 +148,7 @@ def picture(
         raise Mistake("--output: two results have the same name; draw them into different folders")
     for file in files.values():
         check_writable(file.parent, file.name)
-    shapes = {result: read_shape(result) for result in files}
+    shapes = {result: asterism.read_shape(result) for result in files}
     with run.computing():
         chosen = fitting_scale(list(shapes.values()), view, pixels, plain) if scale is None else scale
         for result, shape in shapes.items():

@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 
 import typer
 
+import asterism
 from asterism.cli.options import (
     DesignFile,
     FileUnit,
@@ -36,14 +37,14 @@ def export(
     effect of rounding on the shape, by the preview, or by the exact model with --simulate.
     """
     from asterism.laws.replace_material import with_material
-    from asterism.pattern.layout.build import load_design
 
-    plan = with_material(load_design(design), material, run.warn)  # before slower imports: many mistakes are here
+    plan = with_material(
+        asterism.load_design(design), material, run.warn
+    )  # before slower imports: many mistakes are here
 
     from asterism.exact.cost import exact_cost
     from asterism.laws.design_law import law_from_file
     from asterism.print.export import check_shape_request, export_file_names
-    from asterism.print.export import export as write
     from asterism.results.files import EXPORT_SUMMARY_FILE
     from asterism.verification.both_starts import BOTH_STARTS
 
@@ -54,7 +55,7 @@ def export(
     if settings.simulate:
         run.cost(exact_cost(plan, BOTH_STARTS, shapes=2))
     with run.computing():
-        exported = write(plan, directory, settings, shape=shape, law=sheet, report=run.report, say=run.say)
+        exported = asterism.export(plan, directory, settings, shape=shape, law=sheet, report=run.report, say=run.say)
     run.warn(*(line for line in exported.warnings if line not in exported.doubts))
     run.result(exported.summary, directory, exported.files, exported.doubts)
 
@@ -79,16 +80,15 @@ def compare(
     The scan is rotated and shifted onto the shape, but not mirrored or scaled. It may cover a part of the sheet.
     The exit status is 1 if the scan fits nowhere.
     """
-    from asterism.measure.compare.compare import check_comparison_directory, write_comparison
-    from asterism.measure.compare.compare import compare as measure
+    from asterism.measure.compare.compare import check_comparison_directory
     from asterism.measure.compare.scan import check_file
 
     check_file(scan)
     directory = output or scan.with_name(f"{scan.stem}-compared")
     check_comparison_directory(directory, shape)
     with run.computing():
-        comparison = measure(shape, scan, units=units, view=view, trim=trim)
-        files = write_comparison(comparison, directory)
+        comparison = asterism.compare(shape, scan, units=units, view=view, trim=trim)
+        files = asterism.write_comparison(comparison, directory)
     run.table(comparison.summary.table(), 22)
     run.files(directory, files)
     if not comparison.is_fit:

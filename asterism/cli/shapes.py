@@ -9,6 +9,7 @@ from typing import Annotated, Literal
 
 import typer
 
+import asterism
 from asterism.cli.options import (
     BackendOption,
     Contact,
@@ -55,9 +56,7 @@ def preview(
     chosen = read_design(design, material, run.warn)
 
     from asterism.laws.design_law import law_from_file
-    from asterism.previews.session import preview as compute
     from asterism.print.bed_placement import size_warning
-    from asterism.reports.write_results import write_results
 
     directory = results_folder(design, output, design.with_suffix(""))
     chosen_law = law_from_file(chosen, law, design, material)
@@ -66,12 +65,12 @@ def preview(
 
         run.cost(exact_cost(chosen))
     with run.computing(compile_ahead="discrete" if settle else None):
-        shape = compute(chosen, chosen_law, side, run.say)
+        shape = asterism.preview(chosen, chosen_law, side, run.say)
         if settle:
             from asterism.exact.simulation import exact_shape
 
             shape = exact_shape(chosen, report=run.report, say=run.say, near=shape)
-        files = write_results(shape, directory)
+        files = asterism.write_results(shape, directory)
     run.result(shape.summary, directory, files)
     warnings = shape.summary["warnings"]
     run.warn(*warnings, *size_warning(chosen))
@@ -121,12 +120,9 @@ def simulate(
     from asterism.equilibrium.linear.backends import check_backend
     from asterism.exact.cost import exact_cost
     from asterism.exact.spread import MAX_SOLVES, check_spread
-    from asterism.exact.spread import spread as with_spread
     from asterism.laws.design_law import law_from_file
     from asterism.pattern.layout.build import layout
-    from asterism.reports.write_results import write_results
     from asterism.verification.both_starts import BOTH_STARTS
-    from asterism.verification.both_starts import simulate as compute
 
     changed = with_overrides(read, edge=edge, tolerance=tolerance, contact=contact)
     # what is missing is said before anything else
@@ -142,10 +138,10 @@ def simulate(
     all_starts = (default_starts if starts is None else starts) + spread * (MAX_SOLVES - 1)
     run.cost(exact_cost(changed, all_starts))
     with run.computing(compile_ahead="fem" if starts is None and changed.rods is None else None):
-        shape = compute(changed, backend, run.report, run.say, starts, law=given_law)
+        shape = asterism.simulate(changed, backend, run.report, run.say, starts, law=given_law)
         if spread and shape.summary["is_minimum"]:
-            shape = with_spread(shape, backend, run.report, run.say)
-        files = write_results(shape, directory)
+            shape = asterism.spread(shape, backend, run.report, run.say)
+        files = asterism.write_results(shape, directory)
     run.result(shape.summary, directory, files)
     run.warn(*shape.summary["warnings"])
     if spread and not shape.summary["is_minimum"]:
@@ -179,8 +175,6 @@ def verify(
     from asterism.equilibrium.linear.backends import check_backend
     from asterism.exact.cost import exact_cost
     from asterism.laws.design_law import law_from_file
-    from asterism.reports.verification_page import write_verification
-    from asterism.verification.run import verify as compute
 
     chosen = with_overrides(read, edge=edge, tolerance=tolerance, contact=contact)
     check_backend(backend)
@@ -190,9 +184,9 @@ def verify(
     run.cost(exact_cost(chosen, shapes=2))
     with run.computing(compile_ahead="discrete"):
         line = shlex.join(["asterism", *sys.argv[1:]])
-        verification = compute(chosen, chosen_law, backend, run.report, run.say, command=line)
+        verification = asterism.verify(chosen, chosen_law, backend, run.report, run.say, command=line)
         run.say("writing the report")
-        files = write_verification(verification, directory)
+        files = asterism.write_verification(verification, directory)
     run.result(verification.summary, directory, files)
     run.warn(*verification.summary["warnings"])
     return DONE if verification.summary["exact"]["is_minimum"] else NO_ANSWER
@@ -227,13 +221,12 @@ def sweep(
     has a shape.
     """
     from asterism.homogenize.campaign.workers import default_jobs
-    from asterism.homogenize.law.law_file import load_law
     from asterism.laws.replace_material import read_design
     from asterism.process.progress_line import CountLine
     from asterism.results.files import check_folder
     from asterism.sweeps.parameters import SweepParameter
     from asterism.sweeps.solve_point import sweep_cost
-    from asterism.sweeps.sweep import check_model, sampled, sweep_design, sweep_parameters, write_sweep
+    from asterism.sweeps.sweep import check_model, sampled, sweep_parameters
 
     check_workers(jobs, dask)
     if exact and law is not None:
@@ -247,10 +240,10 @@ def sweep(
     check_folder(folder)
     count = len(sampled(parameters, samples))
     run.cost(sweep_cost(chosen, parameters, count, exact, jobs or default_jobs(), law is not None))
-    own_law = load_law(law) if law else None
+    own_law = asterism.load_law(law) if law else None
     with run.resumable(folder, "designs"):
         with CountLine("designs", run.hand_over()) as progress:
-            result = sweep_design(
+            result = asterism.sweep(
                 chosen,
                 parameters,
                 exact=exact,
@@ -261,7 +254,7 @@ def sweep(
                 law=own_law,
                 report=progress.report,
             )
-        files = write_sweep(result, directory)
+        files = asterism.write_sweep(result, directory)
     run.result(result.summary, directory, files, result.doubts)
     if result.failed < len(result.points):
         return 0
@@ -314,13 +307,9 @@ def fit(
     is no minimum. If the command is interrupted, it writes the best design until then, and the exit status is 130.
     """
     from asterism.fitting.fit import FitInterrupted
-    from asterism.fitting.run import fit as compute
-    from asterism.fitting.target import load_target
-    from asterism.homogenize.law.law_file import load_law
     from asterism.homogenize.law.motif_law import MotifLaw
     from asterism.pattern.design.files import table_text
     from asterism.print.printer import load_printer
-    from asterism.reports.fit_page import write_fit
     from asterism.results.files import check_writable, write_file
 
     file = output or target.with_suffix(".toml")
@@ -328,20 +317,20 @@ def fit(
     directory = file.with_name(f"{file.stem}-fit")
     check_writable(file.parent, file.name)
     check_writable(directory)
-    surface = load_target(target, unit, size_mm, side, heights_mm, extent_mm)
+    surface = asterism.load_target(target, unit, size_mm, side, heights_mm, extent_mm)
     run.warn(*surface.notes)
     if weight is not None:
         surface = surface.weighted(weight)
     chosen_printer = load_printer(printer)
-    chosen_law = None if law is None else load_law(law)
+    chosen_law = None if law is None else asterism.load_law(law)
     if isinstance(chosen_law, MotifLaw):
         raise Mistake(f"--law: {law} is the law of a motif, not of stars")
     try:
         with run.computing():
-            fitted = compute(surface, settings, chosen_law, chosen_printer, run.say, run.report)
+            fitted = asterism.fit(surface, settings, chosen_law, chosen_printer, run.say, run.report)
     except FitInterrupted as interruption:
         fitted = interruption.fitted
-    files = write_fit(fitted, directory)
+    files = asterism.write_fit(fitted, directory)
     write_file(file, table_text(fitted.design.to_dict(), file))
     run.table(fitted.summary.table())
     run.lines([str(file)])

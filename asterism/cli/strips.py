@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+import asterism
 from asterism.cli.options import nonempty_path, output_option
 from asterism.cli.run import Mistake, Run, command
 from asterism.measure.strips.settings import StripFitSettings, StripPrintSettings
@@ -21,9 +22,7 @@ def new(
     settings: StripPrintSettings,
 ) -> None:
     """Write a test print: strips as STL and 3MF, start code, instructions, and a table to fill in."""
-    from asterism.measure.strips.new_strips import new_strips
-
-    written = new_strips(output, settings)
+    written = asterism.new_strips(output, settings)
     machine = written.printer
     first, others = written.layers_mm
     thick = ", ".join(f"{h:g}" for h in written.thicknesses_mm)
@@ -64,7 +63,7 @@ def fit(
 
     The exit status is 1 if the strips do not determine these values.
     """
-    from asterism.measure.strips.fit_strips import check_material_path, fit_strips, write_material
+    from asterism.measure.strips.fit_strips import check_material_path
     from asterism.pattern.design.material_files import own_material_path
 
     path = output or strips.parent / "material.toml"
@@ -72,14 +71,14 @@ def fit(
     kept = None if save is None else own_material_path(save, "--save")
     if kept is not None:
         check_material_path(kept)
-    material = fit_strips(strips, settings)
-    name, picture, numbers = write_material(material, path)
+    material = asterism.fit_strips(strips, settings)
+    name, picture, numbers = asterism.write_material(material, path)
     run.table(material.summary.table())
     run.lines(f"  {line}" for line in [*material.left_out, *material.sentences])
     run.lines([f"{path.with_name(name)}: the material, for --material and asterism calibrate; {picture}, {numbers}"])
     if kept is not None:
         kept.parent.mkdir(parents=True, exist_ok=True)
-        write_material(material, kept)
+        asterism.write_material(material, kept)
         run.lines([f"{kept}: kept, for --material {kept.stem} and file = {kept.stem!r} in [material] of a design"])
     run.warn(*material.warnings)
 
