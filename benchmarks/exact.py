@@ -8,9 +8,7 @@ of the processor: from the flat print, and from the preview.
 
 from __future__ import annotations
 
-import json
 import resource
-import subprocess
 import sys
 import time
 from typing import Any
@@ -19,7 +17,7 @@ from asterism.exact.simulation import exact_shape
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.previews.session import preview
-from benchmarks.report import markdown, number, write_report
+from benchmarks.report import in_new_process, markdown, number, write_report
 
 # table 1 of the paper: seconds on one thread of a Xeon Gold 5118
 TABLE1 = {"roof": 1047.7, "u-shape": 1702.7, "tunnel": 1437.8, "doubly-curved": 2400.4}
@@ -72,9 +70,6 @@ def row(r: dict[str, Any]) -> list[str]:
 
 
 def main(words: list[str]) -> None:
-    if words[:1] == ["--case"]:
-        print(json.dumps(run(json.loads(words[1]))))
-        return
     if unknown := [word for word in words if word not in GROUPS]:
         print(f"{unknown[0]!r} is none of {', '.join(GROUPS)}", file=sys.stderr)
         raise SystemExit(2)
@@ -82,9 +77,7 @@ def main(words: list[str]) -> None:
     for group in words or GROUPS:
         found: list[list[str]] = []
         for case in GROUPS[group]:
-            command = [sys.executable, "-m", "benchmarks.exact", "--case", json.dumps(case)]
-            out = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True).stdout
-            found.append(row(json.loads(out.splitlines()[-1])))
+            found.append(row(in_new_process(run, case)))
             print("  ".join(found[-1]), flush=True)
         tables.append(f"### {group}\n\n{markdown(HEADER, found)}")
     if not words:

@@ -13,7 +13,7 @@ from __future__ import annotations
 import argparse
 import json
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import partial
 from io import BytesIO
 from pathlib import Path
@@ -68,48 +68,52 @@ def rectangle_mesh(width: float, depth: float, columns: int = 50, rows: int = 40
     return plane, Delaunay(plane).simplices.astype(np.int64)
 
 
+Mesh = tuple[Floats, Ints]
+
+
+def surface(name: str, mesh: Mesh, place: Callable[[Floats, Floats], Sequence[Floats]]) -> TargetSurface:
+    """The points of a flat mesh where `place` takes their coordinates."""
+    plane, triangles = mesh
+    return TargetSurface.of_triangles(np.column_stack(place(*plane.T)), triangles, name)
+
+
 def cap(half_angle_deg: float, name: str) -> TargetSurface:
     """A cap of a sphere, 100 mm wide."""
-    plane, triangles = round_mesh()
     half = np.deg2rad(half_angle_deg)
     radius = 50.0 / np.sin(half)
-    angle, around = half * np.linalg.norm(plane, axis=1), np.arctan2(plane[:, 1], plane[:, 0])
-    places = [np.sin(angle) * np.cos(around), np.sin(angle) * np.sin(around), np.cos(angle)]
-    return TargetSurface.of_triangles(radius * np.column_stack(places), triangles, name)
+
+    def place(x: Floats, y: Floats) -> Sequence[Floats]:
+        angle, around = half * np.linalg.norm([x, y], axis=0), np.arctan2(y, x)
+        places = [np.sin(angle) * np.cos(around), np.sin(angle) * np.sin(around), np.cos(angle)]
+        return [radius * each for each in places]
+
+    return surface(name, round_mesh(), place)
 
 
 def graph(height: Callable[[Floats, Floats], Floats], width: float, depth: float, name: str) -> TargetSurface:
     """Heights over an ellipse with these diameters."""
     plane, triangles = round_mesh()
-    x, y = 0.5 * width * plane[:, 0], 0.5 * depth * plane[:, 1]
-    return TargetSurface.of_triangles(np.column_stack([x, y, height(x, y)]), triangles, name)
+    scaled = 0.5 * np.array([width, depth]) * plane
+    return surface(name, (scaled, triangles), lambda x, y: [x, y, height(x, y)])
 
 
-def barrel() -> TargetSurface:
-    """A part of a cylinder of radius 55 mm, 110 degrees around."""
-    plane, triangles = rectangle_mesh(np.deg2rad(110.0), 76.0)
-    angle = plane[:, 0]
-    places = np.column_stack([55.0 * np.sin(angle), plane[:, 1], 55.0 * np.cos(angle)])
-    return TargetSurface.of_triangles(places, triangles, "barrel")
+def _barrel(angle: Floats, along: Floats) -> Sequence[Floats]:
+    """A part of a cylinder of radius 55 mm."""
+    return [55.0 * np.sin(angle), along, 55.0 * np.cos(angle)]
 
 
-def torus_part() -> TargetSurface:
+def _torus_part(around: Floats, across: Floats) -> Sequence[Floats]:
     """The upper part of a torus: Gauss curvature of both signs."""
-    plane, triangles = rectangle_mesh(1.05, 1.7)
-    around, across = plane.T
     radius = 100.0 + 35.0 * np.sin(across)
-    places = np.column_stack([radius * np.sin(around), radius * np.cos(around), 35.0 * np.cos(across)])
-    return TargetSurface.of_triangles(places, triangles, "torus part")
+    return [radius * np.sin(around), radius * np.cos(around), 35.0 * np.cos(across)]
 
 
-def three_legged_shell() -> TargetSurface:
+def _three_legged_shell(u: Floats, v: Floats) -> Sequence[Floats]:
     """A vault on three legs: the border rises between them."""
-    plane, triangles = round_mesh()
-    radius, around = np.linalg.norm(plane, axis=1), np.arctan2(plane[:, 1], plane[:, 0])
+    radius, around = np.hypot(u, v), np.arctan2(v, u)
     reach = 52.0 * (1.0 + 0.12 * np.cos(3.0 * around)) * radius
-    x, y = reach * np.cos(around), reach * np.sin(around)
     heights = 20.0 - 0.0075 * reach**2 - 3.0 * radius**3 * np.cos(3.0 * around)
-    return TargetSurface.of_triangles(np.column_stack([x, y, heights]), triangles, "three-legged shell")
+    return [reach * np.cos(around), reach * np.sin(around), heights]
 
 
 def _bump(x: Floats, y: Floats, at: tuple[float, float], width: float) -> Floats:
@@ -120,16 +124,13 @@ def _two_bumps(x: Floats, y: Floats) -> Floats:
     return 11.0 * _bump(x, y, (-18.0, 0.0), 22.0) + 7.0 * _bump(x, y, (22.0, 6.0), 20.0)
 
 
-def face_mask() -> TargetSurface:
+def _face_mask(u: Floats, v: Floats) -> Sequence[Floats]:
     """An oval mask, 112 by 150 mm, with nose, brows, cheeks and chin; its rim bends back."""
-    plane, triangles = round_mesh(36)
-    x, y = 56.0 * plane[:, 0], 75.0 * plane[:, 1]
-    inside = 1.0 - 0.92 * (plane**2).sum(axis=1)
-    heights = 44.0 * np.sqrt(inside) + 11.0 * _bump(x, y / 2.2, (0.0, 1.0), 11.0)
+    x, y = 56.0 * u, 75.0 * v
+    heights = 44.0 * np.sqrt(1.0 - 0.92 * (u**2 + v**2)) + 11.0 * _bump(x, y / 2.2, (0.0, 1.0), 11.0)
     heights += 4.0 * _bump(x, y, (0.0, -46.0), 16.0) + 3.0 * _bump(x, y, (-27.0, -8.0), 16.0)
     heights += 3.0 * _bump(x, y, (27.0, -8.0), 16.0) - 4.0 * _bump(x, y, (-20.0, 20.0), 12.0)
-    heights -= 4.0 * _bump(x, y, (20.0, 20.0), 12.0)
-    return TargetSurface.of_triangles(np.column_stack([x, y, heights]), triangles, "face mask")
+    return [x, y, heights - 4.0 * _bump(x, y, (20.0, 20.0), 12.0)]
 
 
 # name: target, and number of needles (None: chosen by the fit)
@@ -145,12 +146,12 @@ TARGETS: dict[str, tuple[Callable[[], TargetSurface], int | None]] = {
     "monkey saddle": (
         partial(graph, lambda x, y: 9.0 * (x**3 - 3.0 * x * y**2) / 50.0**3, 100, 100, "monkey saddle"), None,
     ),
-    "barrel": (barrel, None),
+    "barrel": (partial(surface, "barrel", rectangle_mesh(np.deg2rad(110.0), 76.0), _barrel), None),
     "two bumps": (partial(graph, _two_bumps, 104, 104, "two bumps"), None),
-    "three-legged shell": (three_legged_shell, None),
-    "torus part": (torus_part, None),
+    "three-legged shell": (partial(surface, "three-legged shell", round_mesh(), _three_legged_shell), None),
+    "torus part": (partial(surface, "torus part", rectangle_mesh(1.05, 1.7), _torus_part), None),
     "hemisphere": (partial(cap, 85.0, "hemisphere"), None),
-    "face mask": (face_mask, None),
+    "face mask": (partial(surface, "face mask", round_mesh(36), _face_mask), None),
 }  # fmt: skip
 
 

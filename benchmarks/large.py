@@ -8,8 +8,6 @@ Newton's first system there.
 
 from __future__ import annotations
 
-import json
-import subprocess
 import sys
 import time
 from pathlib import Path
@@ -27,7 +25,7 @@ from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.meshing import mesh_layout
-from benchmarks.report import markdown, write_report
+from benchmarks.report import in_new_process, markdown, write_report
 
 SPACING = 17.3205  # mm, of the tube's stars
 DIVISIONS = [12, 25, 36, 52, 81]
@@ -84,16 +82,11 @@ def system(divisions: int, backend: str) -> list[str]:
 
 
 def main(words: list[str]) -> None:
-    if words[:1] == ["--case"]:
-        print(json.dumps(system(int(words[1]), words[2])))
-        return
     rows = []
     for divisions in map(int, words) if words else DIVISIONS:
         for backend, finest in BACKENDS.items():
             if divisions <= finest:
-                command = [sys.executable, "-m", "benchmarks.large", "--case", str(divisions), backend]
-                out = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=True).stdout
-                rows.append(json.loads(out.splitlines()[-1]))
+                rows.append(in_new_process(system, divisions, backend))
                 print("  ".join(rows[-1]), flush=True)
     if not words:
         write_report("large", markdown(HEADER, rows))

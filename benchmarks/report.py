@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, TypeVar
 
 from asterism.process.version import __version__
 from asterism.results.files import write_file
@@ -21,6 +23,12 @@ def write_report(name: str, text: str, command: str | None = None) -> None:
     """Write NAME.md with the command that made it: by default the module of that name."""
     command = command or f"python -m benchmarks.{name}"
     write_file(RESULTS / f"{name}.md", f"Made by `{command}`, asterism {__version__}.\n\n{text}\n")
+
+
+def in_new_process(work: Callable[..., T], *arguments: Any) -> T:
+    """The value of a function of a module, from a process whose memory is its own."""
+    with ProcessPoolExecutor(1, get_context("spawn")) as pool:
+        return pool.submit(work, *arguments).result()
 
 
 def markdown(header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:

@@ -45,8 +45,12 @@ def draw_shape(shape: Drawable, title: str, path_or_file: str | Path | IO[bytes]
     """
     shape = shape if shape.held else shape.aligned()
     canvas = Canvas(PICTURE_WIDTH_PX, PICTURE_HEIGHT_PX)
-    thing = scene(shape)
-    _perspective(canvas, thing, shape.positions)
+    thing, view = scene(shape), sheet_camera("oblique", shape.positions)
+    room = np.array(
+        [PERSPECTIVE_WIDTH_PX - 2 * PICTURE_MARGIN_PX, PICTURE_HEIGHT_PX - CAPTION_HEIGHT_PX - PICTURE_MARGIN_PX]
+    )
+    scale = float((room / drawn_size(thing, view)).min())
+    canvas.paste(render(thing, view, scale), PERSPECTIVE_WIDTH_PX / 2, PICTURE_MARGIN_PX + room[1] / 2)
     _to_scale(canvas, thing, shape.positions)
     _write_captions(canvas, title, caption(shape), PICTURE_MARGIN_PX)
     # half the time of the usual level 6, for 8 % more bytes
@@ -91,32 +95,15 @@ def caption(shape: Drawable) -> str:
         parts.append(f"energy {total if abs(total) >= 1e-4 else 0.0:.4g} N mm")
     if "is_minimum" in summary:
         certified = summary["is_minimum"] and summary.get("converged", True)
-        sure = "certified minimum" if certified else "not certified"
-        parts.append(_of_preview(summary, certified) if summary.get("model") == "preview" else sure)
+        if summary.get("model") != "preview":
+            parts.append("certified minimum" if certified else "not certified")
+        elif not certified:
+            parts.append("preview, not certified")
+        elif (expected := summary.get("expected_rms_percent")) is None:
+            parts.append("preview, without an error estimate")
+        else:  # the certificate holds for the shell, and does not give the distance to the exact model
+            parts.append(f"preview, estimated error {distance_error(expected, summary.get('diameter_mm'))}")
     return "   ·   ".join(parts)
-
-
-def _of_preview(summary: Mapping[str, Any], certified: bool) -> str:
-    """Caption of a preview: its estimated error.
-
-    The certificate of a preview holds for the shell model, and does not give the distance to the exact model.
-    """
-    if not certified:
-        return "preview, not certified"
-    expected = summary.get("expected_rms_percent")
-    if expected is None:
-        return "preview, without an error estimate"
-    return f"preview, estimated error {distance_error(expected, summary.get('diameter_mm'))}"
-
-
-def _perspective(canvas: Canvas, thing: Scene, sheet: Floats) -> None:
-    """The large view on the left."""
-    view = sheet_camera("oblique", sheet)
-    room = np.array(
-        [PERSPECTIVE_WIDTH_PX - 2 * PICTURE_MARGIN_PX, PICTURE_HEIGHT_PX - CAPTION_HEIGHT_PX - PICTURE_MARGIN_PX]
-    )
-    scale = float((room / drawn_size(thing, view)).min())
-    canvas.paste(render(thing, view, scale), PERSPECTIVE_WIDTH_PX / 2, PICTURE_MARGIN_PX + room[1] / 2)
 
 
 def _to_scale(canvas: Canvas, thing: Scene, sheet: Floats) -> None:
@@ -134,7 +121,7 @@ def _to_scale(canvas: Canvas, thing: Scene, sheet: Floats) -> None:
     canvas.bar(middle, bottom, scale, x)
     bottom += bar_room + label_room
     if scale * z < 1.0:  # lower than one pixel: drawn as a line
-        canvas.line(middle + np.array([-x, x]) * scale / 2, np.array([bottom, bottom]), 0.8)
+        canvas.line((middle - x * scale / 2, middle + x * scale / 2), (bottom, bottom), 0.8)
     else:
         canvas.paste(render(thing, front, scale), middle, bottom + scale * z / 2)
     canvas.text(middle, bottom - 36, "from the front", size=8, color=PALE, centred=True)
@@ -245,7 +232,7 @@ class Canvas:
             self._draw.text((x, self.height - y), part, color, font, anchor="ls")
             x += font.getlength(part)
 
-    def line(self, xs: Floats, ys: Floats, width: float) -> None:
+    def line(self, xs: Sequence[float], ys: Sequence[float], width: float) -> None:
         """Draw a straight line along an axis of the picture between two points, `width` typographic points wide."""
         ends = [(round(x), round(self.height - y)) for x, y in zip(xs, ys, strict=True)]
         self._draw.line(ends, INK, max(round(width * PICTURE_DPI / 72), 1))
@@ -256,12 +243,9 @@ class Canvas:
         length = max(step * power for step in (1, 2, 5) if step * power <= width_mm / 3)
         left, right = middle + np.array([-1, 1]) * length * scale / 2
         y, tick = bottom + 38, 7
-        for xs, ys in (
-            ([left, right], [y, y]),
-            ([left, left], [y - tick, y + tick]),
-            ([right] * 2, [y - tick, y + tick]),
-        ):
-            self.line(np.array(xs), np.array(ys), 1.1)
+        ticks = (y - tick, y + tick)
+        for xs, ys in (((left, right), (y, y)), ((left, left), ticks), ((right, right), ticks)):
+            self.line(xs, ys, 1.1)
         self.text(middle, bottom, f"{length:g} mm", size=8, color=INK, centred=True)
 
 

@@ -143,9 +143,8 @@ def render(thing: Scene, view: Camera, pixels_per_mm: float) -> Floats:
 
 def _coarser(image: Floats) -> Floats:
     """The mean over blocks of SUPERSAMPLING x SUPERSAMPLING pixels."""
-    steps = range(SUPERSAMPLING)
-    parts = [image[row::SUPERSAMPLING, column::SUPERSAMPLING] for row in steps for column in steps]
-    return np.asarray(sum(parts[1:], start=parts[0]) / len(parts))
+    rows, columns = np.floor_divide(image.shape, SUPERSAMPLING)
+    return np.asarray(image.reshape(rows, SUPERSAMPLING, columns, SUPERSAMPLING).mean(axis=(1, 3)))
 
 
 def _depth_around(raster: Raster) -> Floats:

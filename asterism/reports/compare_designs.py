@@ -91,14 +91,9 @@ class ComparedNumber:
     @property
     def texts(self) -> tuple[str, ...]:
         """The values in words; `-` where a design has none."""
-        return tuple(map(self._text, self.values))
-
-    def _text(self, value: float | Sequence[float] | None) -> str:
-        if value is None:
-            return "-"
-        if isinstance(value, float):
-            return f"{value:.{self.digits}f}"
-        return box_in_words(value).removesuffix(" mm")
+        boxes = (isinstance(value, Sequence) and box_in_words(value).removesuffix(" mm") for value in self.values)
+        pairs = zip(self.values, boxes, strict=True)
+        return tuple("-" if value is None else box or f"{value:.{self.digits}f}" for value, box in pairs)
 
     def with_differences(self) -> list[str]:
         """The texts, with the difference from the first design where these digits show one."""

@@ -172,23 +172,23 @@ MAX_LISTED_NEEDLES = 12
 MAX_WARNING_LINES = 3
 # scales 1:n of the layout
 SCALES = (1, 1.5, 2, 2.5, 3, 4, 5, 10, 20, 50)
-# points per mm
+# points per mm, and places on the page in mm as points
 _POINTS = 72 / 25.4
+TO_PAGE = Affine2D().scale(_POINTS)
 
 
 def _write_design_page(path: Path, job: Job, facts: Facts, lines: Sequence[str], shape: Shape | None) -> float:
     """Write the page as PDF, with these facts and warnings; returns n of the layout's scale 1:n."""
     figure = Figure(figsize=tuple(PAGE_MM / 25.4), dpi=72.0, facecolor="white")
     FigureCanvasAgg(figure)
-    to_page = Affine2D().scale(_POINTS)
     name = job.design.name
-    _text(figure, to_page, _MARGIN_MM, 276.0, name, 7.0 * min(1.0, 40 / max(len(name), 1)), weight="bold")
+    _text(figure, _MARGIN_MM, 276.0, name, 7.0 * min(1.0, 40 / max(len(name), 1)), weight="bold")
     if shape is not None:
         _picture(figure, shape)
-    _warnings(figure, to_page, lines)
-    _facts(figure, to_page, facts)
-    parts = _layout(figure, to_page, job)
-    _needles(figure, to_page, job)
+    _warnings(figure, lines)
+    _facts(figure, facts)
+    parts = _layout(figure, job)
+    _needles(figure, job)
     settings: dict[Any, Any] = {"pdf.fonttype": 42, "path.simplify": False}
     with warnings.catch_warnings(), matplotlib.rc_context(settings):
         warnings.filterwarnings("ignore", "Glyph .* missing from font")
@@ -214,17 +214,17 @@ def _picture(figure: Figure, shape: Shape) -> None:
     axes.axis("off")
 
 
-def _warnings(figure: Figure, to_page: Transform, texts: Sequence[str]) -> None:
+def _warnings(figure: Figure, texts: Sequence[str]) -> None:
     """Write the warnings between the picture and the facts, as many as fit."""
     # longest line of the warnings, in characters
     lines = [line for text in texts for line in textwrap.wrap(text, 145)]
     if len(lines) > MAX_WARNING_LINES:
         lines = [*lines[: MAX_WARNING_LINES - 1], "... and more: see the summary of the results"]
     for k, line in enumerate(lines):
-        _text(figure, to_page, _MARGIN_MM, 181.5 - 3.2 * k, line, 2.3, color=RED)
+        _text(figure, _MARGIN_MM, 181.5 - 3.2 * k, line, 2.3, color=RED)
 
 
-def _facts(figure: Figure, to_page: Transform, facts: Facts) -> None:
+def _facts(figure: Figure, facts: Facts) -> None:
     # baselines of the first and of the last line of the facts; their distances, below a line and below a paragraph
     top, bottom = (170.0, 40.0)
     below_line, below_paragraph = (4.2, 6.4)
@@ -232,20 +232,20 @@ def _facts(figure: Figure, to_page: Transform, facts: Facts) -> None:
     squeezed = min(1.0, (top - bottom) / needed)
     y = top
     for head, lines in facts.items():
-        _text(figure, to_page, _MARGIN_MM, y, head, 3.3 * squeezed, weight="bold")
+        _text(figure, _MARGIN_MM, y, head, 3.3 * squeezed, weight="bold")
         for line in lines:
             y -= below_line * squeezed
-            _text(figure, to_page, _MARGIN_MM, y, line, 2.7 * squeezed)
+            _text(figure, _MARGIN_MM, y, line, 2.7 * squeezed)
         y -= below_paragraph * squeezed
 
 
-def _layout(figure: Figure, to_page: Transform, job: Job) -> float:
+def _layout(figure: Figure, job: Job) -> float:
     """Draw the printed layout, seen from the plastic side, with its needles; returns n of its scale 1:n."""
     border = job.plan.outline
     low, high = border.min(axis=0), border.max(axis=0)
     parts = next((n for n in SCALES if ((high - low) / n <= LAYOUT_MM).all()), SCALES[-1])
     middle = LAYOUT_AT + LAYOUT_MM / 2
-    to_drawing = Affine2D().translate(*-(low + high) / 2).scale(1 / parts).translate(*middle) + to_page
+    to_drawing = Affine2D().translate(*-(low + high) / 2).scale(1 / parts).translate(*middle) + TO_PAGE
     sheet = shapely.Polygon(border, job.plan.holes)
     _draw(figure, to_drawing, sheet, facecolor=SHEET, edgecolor=PALE, linewidth=0.6)
     for piece in (*job.arms, *job.rods):
@@ -261,28 +261,28 @@ def _layout(figure: Figure, to_page: Transform, job: Job) -> float:
             x, y = (at - (low + high) / 2) / parts + middle
             # with a background, since it may lie on an arm
             style = {"color": RED, "weight": "bold", "bbox": {"facecolor": SHEET, "edgecolor": "none", "pad": 0.6}}
-            _text(figure, to_page, x, y - 1.0, str(needle.number), 2.8, ha="center", **style)
+            _text(figure, x, y - 1.0, str(needle.number), 2.8, ha="center", **style)
     head = f"Layout 1:{parts:g}, on the stretched fabric, " + ("plastic below grey" if job.below else "plastic side")
-    _text(figure, to_page, LAYOUT_AT[0], LAYOUT_AT[1] + LAYOUT_MM[1] + 5.0, head, 3.3, weight="bold")
+    _text(figure, LAYOUT_AT[0], LAYOUT_AT[1] + LAYOUT_MM[1] + 5.0, head, 3.3, weight="bold")
     return float(parts)
 
 
-def _needles(figure: Figure, to_page: Transform, job: Job) -> None:
+def _needles(figure: Figure, job: Job) -> None:
     needles = job.needles
     if not needles:
-        _text(figure, to_page, _MARGIN_MM, 33.0, "No needles: the sheet is free.", 2.7, color=PALE)
+        _text(figure, _MARGIN_MM, 33.0, "No needles: the sheet is free.", 2.7, color=PALE)
         return
-    _text(figure, to_page, _MARGIN_MM, 35.0, f"Needles: {len(needles)}", 3.3, weight="bold")
+    _text(figure, _MARGIN_MM, 35.0, f"Needles: {len(needles)}", 3.3, weight="bold")
     if len(needles) > MAX_LISTED_NEEDLES:
         text = "Red dots in the layout. asterism export writes their places (needles.csv) and a drilling template."
-        _text(figure, to_page, _MARGIN_MM, 30.5, text, 2.7)
+        _text(figure, _MARGIN_MM, 30.5, text, 2.7)
         return
     for i, needle in enumerate(needles):
         column, row = divmod(i, 4)
         printed = _numbers(needle.printed)
         place = "slides" if needle.place is None else _numbers(needle.place)
         text = f"{needle.number}: printed ({printed}), stands at ({place})"
-        _text(figure, to_page, _MARGIN_MM + 62.0 * column, 30.5 - 4.2 * row, text, 2.3)
+        _text(figure, _MARGIN_MM + 62.0 * column, 30.5 - 4.2 * row, text, 2.3)
 
 
 def _numbers(place: Floats) -> str:
@@ -297,11 +297,9 @@ def _draw(figure: Figure, transform: Transform, region: BaseGeometry, **style: A
         figure.add_artist(PathPatch(outline, transform=transform, **style))
 
 
-def _text(
-    figure: Figure, to_page: Transform, x: float | Floats, y: float | Floats, text: str, size_mm: float, **style: Any
-) -> None:
+def _text(figure: Figure, x: float | Floats, y: float | Floats, text: str, size_mm: float, **style: Any) -> None:
     settings: dict[str, Any] = {"color": INK, "family": families(), "parse_math": False} | style
-    figure.text(float(x), float(y), printable(text), transform=to_page, fontsize=size_mm * _POINTS, **settings)
+    figure.text(float(x), float(y), printable(text), transform=TO_PAGE, fontsize=size_mm * _POINTS, **settings)
 
 
 def design_facts(job: Job, summary: Mapping[str, Any], source: str) -> Facts:

@@ -20,7 +20,6 @@ from asterism.draw.shading import FABRIC_SIDE
 from asterism.draw.style import INK, PALE, add_grid, style_axes
 from asterism.equilibrium.arrays import Bools, Floats
 from asterism.fitting.fit import Fit
-from asterism.fitting.target import TargetSurface
 from asterism.measure.compare.compare import SIGNED_DISTANCE_COLOURS, surface_cut
 from asterism.pattern.design.errors import check_type
 from asterism.pattern.geometry.planar import distance_to_outline
@@ -58,17 +57,14 @@ def write_fit(fitted: Fit, directory: str | Path) -> list[str]:
     shape = replace(distance.shape, point_fields=fields)
     with staged_result(directory) as folder:
         write_shape_files(shape, folder)
-        (folder / "target.obj").write_text(_obj(fitted.target), encoding="ascii")
+        with (folder / "target.obj").open("w", encoding="ascii", newline="\n") as stream:
+            stream.write("# target in the pose of the fit, mm\n")
+            np.savetxt(stream, fitted.target.disk.vertices, "v %.6f %.6f %.6f")
+            np.savetxt(stream, fitted.target.disk.triangles + 1, "f %d %d %d")
         # a name may hold characters that are not valid text
         (folder / "report.html").write_text(fit_page(fitted), encoding="utf-8", errors="backslashreplace")
         (folder / SUMMARY_FILE).write_text(fitted.summary.json_text())
         return sorted(file.name for file in folder.iterdir())
-
-
-def _obj(target: TargetSurface) -> str:
-    lines = [f"v {x:.6f} {y:.6f} {z:.6f}" for x, y, z in target.disk.vertices]
-    lines += [f"f {a + 1} {b + 1} {c + 1}" for a, b, c in target.disk.triangles]
-    return "\n".join(["# target in the pose of the fit, mm", *lines]) + "\n"
 
 
 def fit_page(fitted: Fit) -> str:

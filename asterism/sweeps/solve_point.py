@@ -30,7 +30,7 @@ from asterism import (
     sweeps,
     verification,
 )
-from asterism.draw.render import OBLIQUE, VIEWER_DISTANCE, camera, render, scene
+from asterism.draw.render import drawn_size, render, scene, sheet_camera
 from asterism.equilibrium.errors import Error
 from asterism.exact.cost import Cost, exact_cost
 from asterism.homogenize.campaign.kept_samples import Outcome, attempt, sources_hash
@@ -115,11 +115,8 @@ def quantities(exact: bool) -> tuple[Quantity, ...]:
 
 def table_values(summary: Mapping[str, Any], exact: bool) -> dict[str, CellValue]:
     """The values of a shape by column, with `TABLE_DIGITS` digits."""
-    return {each.name: _rounded(each.of(summary)) for each in quantities(exact)}
-
-
-def _rounded(value: CellValue) -> CellValue:
-    return float(f"{value:.{TABLE_DIGITS}g}") if isinstance(value, float) else value
+    values = {each.name: each.of(summary) for each in quantities(exact)}
+    return {n: float(f"{v:.{TABLE_DIGITS}g}") if isinstance(v, float) else v for n, v in values.items()}
 
 
 # `webp`, a picture with a transparent background as text in base 64; `width_px`, `height_px`; and `px_per_mm`, its
@@ -130,11 +127,8 @@ SmallPicture = dict[str, Any]
 def small_picture(shape: Shape) -> SmallPicture:
     """The perspective view of a shape, as large as the limits allow."""
     shape = shape if shape.held else shape.aligned()
-    thing = scene(shape)
-    low, high = shape.positions.min(axis=0), shape.positions.max(axis=0)
-    view = camera(*OBLIQUE, (low + high) / 2, VIEWER_DISTANCE * float(np.linalg.norm(high - low)))
-    size = np.maximum(np.ptp(view.project(thing.points)[:, :2], axis=0), 1e-3)
-    scale = float((np.array([320, 240]) / size).min())  # at most so many pixels
+    thing, view = scene(shape), sheet_camera("oblique", shape.positions)
+    scale = float((np.array([320, 240]) / drawn_size(thing, view)).min())  # at most so many pixels
     pixels = np.clip(np.flipud(render(thing, view, scale)), 0.0, 1.0)
     image = Image.fromarray(np.rint(255.0 * pixels).astype(np.uint8))
     out = BytesIO()

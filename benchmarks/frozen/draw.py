@@ -1,17 +1,15 @@
 """The frozen designs as they were drawn, with fixed seeds: the two halves of the first set, and later sets.
 
-python -m benchmarks.frozen.draw --second | --third | --fourth
+python -m benchmarks.frozen.draw
 
-Six kinds: free sheets and supported sheets with five kinds of outlines, canopies on four to six
-needles, ribbons, held edges under weight, and stars of four to six arms. All designs stand in designs.json, from where
-the other commands read them: a later change of what can be printed does not draw other ones. The command adds a set
-that is not there, and says if it draws others than those that are. The second set has as many designs of each kind as
-both halves of the first together; the third has half as many, but all of the unlike stars.
+Six kinds: free sheets and supported sheets with five kinds of outlines, canopies on four to six needles, ribbons, held
+edges under weight, and stars of four to six arms. All designs stand in designs.json, from where the other commands read
+them: a later change of what can be printed does not draw other ones. The command adds the newest set if it is not
+there, and says if it draws others than those that are.
 """
 
 from __future__ import annotations
 
-import argparse
 import json
 import sys
 from collections.abc import Callable
@@ -29,18 +27,13 @@ from asterism.pattern.layout.build import layout
 from asterism.results.files import write_file
 
 WORKING, SEALED = HALVES = ("working", "sealed")
-SECOND, THIRD, FOURTH = LATER = ("second", "third", "fourth")
-GROUPS = (*HALVES, *LATER)
-CHOSEN_ON = (*HALVES, SECOND, THIRD)  # models may be chosen on these; the fourth set only judges
+CHOSEN_ON = (*HALVES, "second", "third")  # models may be chosen on these; the newest set only judges
+NEWEST, SEED = "fourth", 41  # another set gets another name and another seed
+GROUPS = (*CHOSEN_ON, NEWEST)
 FREE, SUPPORTED, CANOPY, RIBBON, WEIGHT, ARMS = KINDS = (
     "free", "supported", "canopy", "ribbon", "weight", "arms",
 )  # fmt: skip
-COUNTS = {
-    SECOND: {FREE: 20, SUPPORTED: 20, CANOPY: 16, RIBBON: 8, WEIGHT: 8, ARMS: 8},
-    THIRD: {FREE: 10, SUPPORTED: 10, CANOPY: 8, RIBBON: 4, WEIGHT: 4, ARMS: 8},
-    FOURTH: {FREE: 16, SUPPORTED: 16, CANOPY: 10, RIBBON: 6, WEIGHT: 6, ARMS: 6},
-}
-SEEDS = {SECOND: 39, THIRD: 40, FOURTH: 41}  # the next set needs an entry in both
+COUNTS = {FREE: 16, SUPPORTED: 16, CANOPY: 10, RIBBON: 6, WEIGHT: 6, ARMS: 6}
 STARS = (12, 130)  # fewest and most
 # fewest and most stars that the area of an outline is drawn for
 AIMED_STARS = {FREE: (14, 80), SUPPORTED: (14, 80), CANOPY: (40, 125), WEIGHT: (14, 60), ARMS: (14, 40)}
@@ -54,23 +47,18 @@ Data = dict[str, Any]
 
 
 def main() -> int:
-    """Draw all designs of a set; exit status 1 if other ones are there."""
-    parser = argparse.ArgumentParser(prog="python -m benchmarks.frozen.draw")
-    which = parser.add_mutually_exclusive_group(required=True)
-    for each in LATER:
-        which.add_argument(f"--{each}", dest="group", action="store_const", const=each)
-    group = parser.parse_args().group
+    """Draw all designs of the newest set; exit status 1 if other ones are there."""
     rows: list[Data] = json.loads(FILE.read_text(encoding="utf-8"))
-    new = [(kind, drawn(kind, number, group)) for kind, count in COUNTS[group].items() for number in range(count)]
-    if (known := frozen(group)) and known != new:
+    new = [(kind, drawn(kind, number)) for kind, count in COUNTS.items() for number in range(count)]
+    if (known := frozen(NEWEST)) and known != new:
         print(f"{FILE} holds other designs: they were drawn by other code, and stay", file=sys.stderr)
         return 1
     if not known:
-        rows += [{"group": group, "kind": kind, "design": _chosen(design)} for kind, design in new]
+        rows += [{"group": NEWEST, "kind": kind, "design": _chosen(design)} for kind, design in new]
         write_file(FILE, "[\n" + ",\n".join(map(json.dumps, rows)) + "\n]\n")
     for kind in KINDS:
         stars = [str(len(layout(design).centres)) for each, design in new if each == kind]
-        print(f"{group}, {kind}: {' '.join(stars)} stars")
+        print(f"{NEWEST}, {kind}: {' '.join(stars)} stars")
     return 0
 
 
@@ -87,10 +75,17 @@ def _chosen(design: Design) -> Data:
     return {key: value for key, value in data.items() if key in always or value != default[key]}
 
 
-def drawn(kind: str, number: int, group: str) -> Design:
+def drawn(kind: str, number: int) -> Design:
     """Drawn again until it can be printed and its number of stars is within `STARS`."""
-    rng = np.random.default_rng([SEEDS[group], KINDS.index(kind), number])
-    return _printable(lambda: {"name": f"{group}-{kind}-{number:02d}"} | DRAWN[kind](rng, number), STARS)
+    rng = np.random.default_rng([SEED, KINDS.index(kind), number])
+    while True:
+        data = {"name": f"{NEWEST}-{kind}-{number:02d}"} | DRAWN[kind](rng, number)
+        try:
+            design = Design.from_dict(data)
+            if STARS[0] <= len(layout(design).centres) <= STARS[1]:
+                return design
+        except DesignError:
+            continue
 
 
 def _free(rng: np.random.Generator, number: int) -> Data:
@@ -116,10 +111,7 @@ def _canopy(rng: np.random.Generator, number: int) -> Data:
     angle = 2.0 * np.pi * (np.arange(corners) + 0.5 + rng.uniform(-0.12, 0.12, corners)) / corners
     shape = rng.uniform(0.85, 1.15, corners)[:, None] * np.column_stack([np.cos(angle), np.sin(angle)])
     outline = _scaled(rng, shape * [1.0, rng.uniform(0.65, 1.0)], CANOPY)
-    stars = {
-        "length_mm": round(float(rng.uniform(6.0, 9.5)), 2),
-        "thickness_mm": round(float(rng.uniform(0.28, 0.45)), 2),
-    }
+    stars = _equal_stars(rng, 6.0, 9.5)
     scale = round(float(rng.uniform(0.6, 0.9)), 2)
     return {"border": _polygon(outline), "stars": stars, "pins": [{"where": "corners", "scale": scale}]}
 
@@ -127,10 +119,7 @@ def _canopy(rng: np.random.Generator, number: int) -> Data:
 def _ribbon(rng: np.random.Generator, number: int) -> Data:
     """Long rectangles, free, or held at one short side in a quarter of them; equal stars."""
     sides = [round(float(rng.uniform(*limits)), 1) for limits in ((150.0, 240.0), (30.0, 75.0))]
-    stars = {
-        "length_mm": round(float(rng.uniform(5.0, 9.5)), 2),
-        "thickness_mm": round(float(rng.uniform(0.28, 0.45)), 2),
-    }
+    stars = _equal_stars(rng, 5.0, 9.5)
     pins = [{"edges": [3], "scale": round(float(rng.uniform(0.72, 0.9)), 2)}] if number % 4 == 3 else []
     return {"border": {"rectangle_mm": sides}, "stars": stars, "pins": pins}
 
@@ -140,10 +129,7 @@ def _arms(rng: np.random.Generator, number: int) -> Data:
     kind, arms, turn = OTHER_STARS[number // 2 % len(OTHER_STARS)]
     outline = _outline(rng, number, ARMS)
     supports = _drawn_supports(rng, outline, 1) if number % 2 else {}
-    stars = {
-        "length_mm": round(float(rng.uniform(5.5, 8.5)), 2),
-        "thickness_mm": round(float(rng.uniform(0.28, 0.45)), 2),
-    }
+    stars = _equal_stars(rng, 5.5, 8.5)
     lattice = {"kind": kind, "arms": arms, "orientation_deg": turn}
     return {"border": _polygon(outline), "stars": stars, "lattice": lattice} | supports
 
@@ -174,6 +160,11 @@ def _stars(rng: np.random.Generator, outline: Floats) -> Data:
     return stars | ({"width_mm": round(float(rng.uniform(0.9, 1.5)), 2)} if rng.random() < 0.5 else {})
 
 
+def _equal_stars(rng: np.random.Generator, shortest: float, longest: float) -> Data:
+    length, thickness = rng.uniform(shortest, longest), rng.uniform(0.28, 0.45)
+    return {"length_mm": round(float(length), 2), "thickness_mm": round(float(thickness), 2)}
+
+
 def _fabric(rng: np.random.Generator) -> Data:
     return {"fabric": {"stretch": 1.35 if rng.random() < 0.8 else 1.75}}
 
@@ -190,18 +181,6 @@ def _size_field(rng: np.random.Generator, low: float, high: float, size: float) 
     angle = rng.uniform(0.0, 2.0 * np.pi)
     end = np.round(size * np.array([np.cos(angle), np.sin(angle)]), 1)
     return {"profile": "linear", "from": one, "to": other, "start_mm": (-end).tolist(), "end_mm": end.tolist()}
-
-
-def _printable(draw: Callable[[], dict[str, Any]], stars: tuple[int, int]) -> Design:
-    """The first of the drawn tables that can be printed and has a number of stars from `stars[0]` to `stars[1]`."""
-    while True:
-        data = draw()
-        try:
-            design = Design.from_dict(data)
-            if stars[0] <= len(layout(design).centres) <= stars[1]:
-                return design
-        except DesignError:
-            continue
 
 
 def _circle(rng: np.random.Generator) -> Floats:

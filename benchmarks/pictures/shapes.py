@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from asterism.draw.picture import draw_shape, small_png
-from asterism.draw.render import OBLIQUE, camera, render, scene
+from asterism.draw.render import drawn_size, render, scene, sheet_camera
 from asterism.exact.simulation import exact_shape
 from asterism.homogenize.errors import LawError
 from asterism.pattern import gallery as designs
@@ -104,11 +104,8 @@ def start(*names: str) -> None:
 
 def _small(shape: Shape) -> bytes:
     shape = shape if shape.held else shape.aligned()
-    low, high = shape.positions.min(axis=0), shape.positions.max(axis=0)
-    view = camera(*OBLIQUE, (low + high) / 2, distance_mm=2.6 * float(np.linalg.norm(high - low)))
-    thing = scene(shape)
-    size = np.maximum(np.ptp(view.project(thing.points)[:, :2], axis=0), 1e-3)
-    image = render(thing, view, float(((START_PX - 8) / size).min()))[::-1]
+    thing, view = scene(shape), sheet_camera("oblique", shape.positions)
+    image = render(thing, view, float(((START_PX - 8) / drawn_size(thing, view)).min()))[::-1]
     part = Image.fromarray(np.rint(255 * np.clip(image, 0, 1)).astype(np.uint8), "RGBA")
     picture = Image.new("RGBA", tuple(START_PX.tolist()))
     picture.paste(part, ((picture.width - part.width) // 2, (picture.height - part.height) // 2))

@@ -25,8 +25,20 @@ class Outcome:
     err: str
 
     @property
+    def done(self) -> Outcome:
+        """The outcome of a command that has not failed."""
+        assert self.status == 0, self.err
+        return self
+
+    @property
+    def refusal(self) -> str:
+        """The one line of a command with a mistake."""
+        assert self.status == 2, self.out
+        return self.line
+
+    @property
     def line(self) -> str:
-        """The one line of a refused command."""
+        """The one line of a command without a result."""
         lines = self.err.strip().splitlines()
         assert len(lines) == 1 and lines[0].startswith("asterism: "), self.err
         return lines[0]

@@ -48,8 +48,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 )
 def test_mistakes_are_one_line(folder: Path, words: list[str], named: str, cli: Cli):
     (folder / "bad.toml").write_text("[stars]\nlength_mm = -1\n[border]\nrings = 1\n", encoding="utf-8")
-    refused = cli([*words, "--no-browser"] if words[0] == "studio" else words)
-    assert refused.status == 2 and named in refused.line
+    assert named in cli([*words, "--no-browser"] if words[0] == "studio" else words).refusal
 
 
 def test_a_port_in_use_is_one_line(folder: Path, cli: Cli):

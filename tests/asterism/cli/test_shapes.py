@@ -29,8 +29,7 @@ def test_verify_writes_a_report_and_a_table(here: Path, cli: Cli) -> None:
     (here / "d-verified").mkdir()
     for earlier in ("summary.json", "shape.vtu", "rods.vtu", "shape.png"):
         (here / "d-verified" / earlier).write_text('{"version": "of simulate"}')
-    result = cli(["verify", "d.toml", "--law", "law.npz"])
-    assert result.status == 0, result.err
+    result = cli(["verify", "d.toml", "--law", "law.npz"]).done
     assert "% of the diameter rms" in result.out and "same form" in result.out
     # what is seen while waiting
     said = ("preview done in", "released from the flat print", "started from the preview", "comparing", "report")
@@ -84,8 +83,7 @@ def rolled(here: Path, blank_pictures: None) -> Path:
 
 @pytest.mark.slow
 def test_a_sheet_that_passes_through_itself_is_told(rolled: Path, cli: Cli) -> None:
-    result = cli(["simulate", "d.toml", "--starts", "1"])
-    assert result.status == 0, result.err
+    result = cli(["simulate", "d.toml", "--starts", "1"]).done
     assert "passes through itself" in result.err and "--contact" in result.err
     summary = json.loads((rolled / "d" / "summary.json").read_text())
     assert summary["self_intersections"] > 0 and summary["self_contact"] is None
@@ -94,8 +92,7 @@ def test_a_sheet_that_passes_through_itself_is_told(rolled: Path, cli: Cli) -> N
 @pytest.mark.slow
 def test_contact_keeps_it_apart(rolled: Path, cli: Cli) -> None:
     pytest.importorskip("ipctk")
-    result = cli(["simulate", "d.toml", "--contact"])
-    assert result.status == 0, result.err
+    result = cli(["simulate", "d.toml", "--contact"]).done
     assert "passes through itself" not in result.err
     summary = json.loads((rolled / "d" / "summary.json").read_text())
     assert summary["self_intersections"] == 0 and summary["is_minimum"] and summary["design"]["solver"]["contact"]
@@ -117,5 +114,4 @@ def test_without_the_package_a_design_with_contact_is_one_line(rolled: Path, mon
 def test_no_contact_overrides_the_design(rolled: Path, monkeypatch, cli: Cli) -> None:
     monkeypatch.setitem(sys.modules, "ipctk", None)
     (rolled / "d.toml").write_text(ROLLED.replace("rings = 2", "rings = 0") + "[solver]\ncontact = true\n")
-    result = cli(["simulate", "d.toml", "--no-contact"])
-    assert result.status == 0, result.err
+    assert cli(["simulate", "d.toml", "--no-contact"]).done

@@ -36,8 +36,7 @@ def design(tmp_path: Path) -> Path:
 
 @pytest.mark.slow
 def test_simulate_writes_a_certified_shape(design: Path, cli: Cli) -> None:
-    done = cli(["simulate", str(design), "--quiet"])
-    assert done.status == 0, done.err
+    done = cli(["simulate", str(design), "--quiet"]).done
     assert "3, 2 joints" in done.out and "stars" not in done.out
     summary = json.loads((design.parent / "ring" / "summary.json").read_text(encoding="utf-8"))
     assert summary["is_minimum"] and summary["rods_total"] == 3 and summary["rod_joints"] > 0.0
@@ -94,8 +93,7 @@ def test_stars_within_a_rim_are_certified_up_and_exported(here: Path, cli: Cli) 
     summary = shape.summary
     assert summary.is_minimum and summary.stars_up == summary.stars_total == 13 and summary.rods_total == 40
     assert sorted(set(shape.rod_fields["star"].tolist())) == [-1, *range(13)] and summary.contraction < 1.0
-    done = cli(["export", "beside.toml"])
-    assert done.status == 0, done.err
+    assert cli(["export", "beside.toml"]).done
     files = {file.name for file in (here / "beside-print").iterdir()}
     assert {"stars.stl", "stars.scad", "middle-lines.svg"} <= files and "rods.stl" not in files
     text = (here / "beside-print" / "stars.scad").read_text()

@@ -182,8 +182,7 @@ def test_the_command_writes_the_range_and_its_picture(tmp_path: Path, cli: Cli) 
     text = "[stars]\nlength_mm = 10.0\n[border]\nrings = 0\n[mesh]\nedge_mm = 4.0\n"
     design.write_text(text)
     words = ["simulate", str(design), "--starts", "1"]
-    done = cli([*words, "--spread"])
-    assert done.status == 0, done.err
+    done = cli([*words, "--spread"]).done
     assert "in nine of ten prints" in done.out and "range comes from" in done.out and "spread.png" in done.out
     assert "spread: thickness at its lower end" in done.err
     summary = json.loads((tmp_path / "d" / "summary.json").read_text())

@@ -190,8 +190,7 @@ def test_the_command_writes_the_files(tmp_path: Path, cli: Cli) -> None:
     ],
 )
 def test_wrong_words_end_the_command_at_once(words: list[str], line: str, tmp_path: Path, cli: Cli) -> None:
-    ended = cli(["sweep", str(written(tmp_path)), "--vary", *words])
-    assert ended.status == 2 and ended.line == f"asterism: {line}"
+    assert cli(["sweep", str(written(tmp_path)), "--vary", *words]).refusal == f"asterism: {line}"
     assert [file.name for file in tmp_path.iterdir()] == ["seven.toml"]
 
 
