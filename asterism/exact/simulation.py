@@ -54,9 +54,7 @@ def exact_shape(
 
     Parameters
     ----------
-    backend : linear solver: `auto`, `pardiso`, `cholmod`, `superlu`, or `amg` (multigrid, for little memory).
-    report : called after every iteration with the name of the stage and an `Iteration`.
-    say : called with a line of text at the beginning of each stage.
+    backend, report, say : as in `asterism.simulate`, and so are the errors.
     starts : number of different starts. With more than one, the result is the lowest minimum whose stars are all on
         the side that the design asks for, or the lowest of all if no minimum has that. `Shape.others` holds the other
         minima, and the summary's `minima` compares them.
@@ -70,17 +68,7 @@ def exact_shape(
 
     Returns
     -------
-    The shape. Its `summary` holds the certificate (`is_minimum`) and the whole design. The principal axes of a free
-    sheet lie along x, y and z.
-
-    Raises
-    ------
-    DesignError, MeshError
-        The design cannot be printed, or its sheet cannot be meshed.
-    BackendError
-        The linear solver is not installed.
-    ValueError
-        `starts` is not a whole number above zero, or `near` is given with several starts.
+    The shape. The principal axes of a free sheet lie along x, y and z.
     """
     if not is_whole(starts) or starts < 1:
         raise ValueError(f"starts = {starts!r}: must be a whole number, at least 1")

@@ -117,7 +117,7 @@ class LiveSheet:
         self._values = self._board.start
         self._views: dict[bool, SheetView] = {}  # by whether the mesh is fine
         self._rotation: Floats | None = None  # of a free sheet, from the pose of the shell to the shown one
-        self._panel = panel(preview.design.name, sliders=[slider.data() for slider in self._board.sliders])
+        self._panel = panel(preview.design.name, sliders=[asdict(slider) for slider in self._board.sliders])
 
     def opening(self) -> Traits:
         """What the widget shows at first."""
@@ -240,10 +240,6 @@ class Slider:
     unit: str = "mm"
     digits: int = 1
     options: tuple[float, ...] = ()
-
-    def data(self) -> dict[str, Any]:
-        """As a message."""
-        return asdict(self) | {"options": list(self.options), "base": self.base and list(self.base)}
 
 
 class SliderBoard:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from html import escape
 from pathlib import Path
 from typing import Any
@@ -20,7 +20,7 @@ from asterism.draw.shading import FABRIC_SIDE
 from asterism.draw.style import INK, PALE, add_grid, style_axes
 from asterism.equilibrium.arrays import Bools, Floats
 from asterism.fitting.fit import Fit
-from asterism.measure.compare.compare import SIGNED_DISTANCE_COLOURS, surface_cut
+from asterism.measure.compare.compare import SIGNED_DISTANCE_COLOURS, frame_section, surface_cut
 from asterism.pattern.design.errors import check_type
 from asterism.pattern.geometry.planar import distance_to_outline
 from asterism.reports.html import design_rows, figures, html_page, html_table, png, tiles, warnings_box
@@ -171,16 +171,15 @@ def _pictures(fitted: Fit) -> list[str]:
 
 
 def _remains(fitted: Fit) -> list[str]:
-    rest, s = remainder(fitted), fitted.summary
-    rows = [[name, f"{size:.2f}", cause] for name, (size, cause) in rest.parts.items()]
+    (parts, places, advice), s = remainder(fitted), fitted.summary
+    rows = [[name, f"{size:.2f}", cause] for name, (size, cause) in parts.items()]
     total = f"{(s.exact or s.preview).surface_percent:.2f}"
-    places = [[place, f"{size:.2f}"] for place, size in rest.places.items()]
     return [
         html_table(["part of the distance", "rms, %", "cause"], [*rows, ["all", total, ""]], numbers=False),
         '<p class="small">The squares of the parts add up to the square of the whole. A part that would be negative is '
         "left out; then the whole is smaller.</p>",
-        html_table(["place", "mean over a cell, rms, %"], places),
-        *(f"<p>{escape(sentence)}</p>" for sentence in rest.advice),
+        html_table(["place", "mean over a cell, rms, %"], [[place, f"{size:.2f}"] for place, size in places.items()]),
+        *(f"<p>{escape(sentence)}</p>" for sentence in advice),
     ]
 
 
@@ -238,25 +237,15 @@ def _target(fitted: Fit) -> list[list[str]]:
 MAIN_FACTOR = 1.5
 
 
-@dataclass(frozen=True)
-class Remainder:
-    """Parts of the rms distance in % of the diameter; their squares add up to that of the distance.
+def remainder(fitted: Fit) -> tuple[dict[str, tuple[float, str]], dict[str, float], list[str]]:
+    """What remains of the distance of a fit, rms in % of the diameter.
 
-    Attributes
-    ----------
-    parts : by name: rms distance, and its cause. Parts that vanish are left out.
-    places : name of a part of the sheet, and the rms distance there.
-    advice : one sentence for each place or limit that has most of the distance.
+    Returns
+    -------
+    Parts by name with their cause, whose squares add up to that of the distance; parts that vanish are left out. Places
+    of the sheet with the distance there. One sentence for each place or limit that has most of the distance.
     """
-
-    parts: dict[str, tuple[float, str]]
-    places: dict[str, float]
-    advice: tuple[str, ...]
-
-
-def remainder(fitted: Fit) -> Remainder:
-    """What remains of the distance of a fit."""
-    return Remainder(_parts(fitted.summary), *_places(fitted))
+    return _parts(fitted.summary), *_places(fitted)
 
 
 def _parts(s: FitRecord) -> dict[str, tuple[float, str]]:
@@ -293,7 +282,7 @@ def _added(larger: float, smaller: float) -> float:
     return float(np.sqrt(max(larger**2 - smaller**2, 0.0)))
 
 
-def _places(fitted: Fit) -> tuple[dict[str, float], tuple[str, ...]]:
+def _places(fitted: Fit) -> tuple[dict[str, float], list[str]]:
     shape, plan, s = fitted.shape, fitted.shape.layout, fitted.summary
     assert plan is not None
     # of the spacing: width of the rim, about the reach of one star
@@ -311,7 +300,7 @@ def _places(fitted: Fit) -> tuple[dict[str, float], tuple[str, ...]]:
         places |= {"around stars with the shortest or longest arms": at_end, "around other stars": elsewhere}
         if at_end > MAIN_FACTOR * elsewhere:
             advice.append("Most of the distance is at stars whose arms are the shortest or longest of the law.")
-    return places, tuple(advice)
+    return places, advice
 
 
 def _stars_at_ends(fitted: Fit) -> Bools:
@@ -417,12 +406,7 @@ def _draw_section(axes: Axes, fitted: Fit, along: int) -> None:
         segments = surface_cut(positions, triangles, across, level + 1e-6)[:, :, [along, 2]]
         axes.add_collection(LineCollection(list(segments), colors=colour, linewidths=width))
     both = np.concatenate([disk.vertices, shape.positions])[:, [along, 2]]
-    low, high = both.min(axis=0), both.max(axis=0)
-    room = 0.05 * float((high - low).max())
-    axes.set_xlim(low[0] - room, high[0] + room)
-    axes.set_ylim(low[1] - room, high[1] + room)
-    axes.set_aspect("equal")
-    style_axes(axes, f"cut along {'xy'[along]} through the middle: target red, shape black", "mm")
+    frame_section(axes, both, f"cut along {'xy'[along]} through the middle: target red, shape black")
 
 
 def _figure_with_needles(fitted: Fit) -> tuple[Figure, Axes]:
@@ -441,12 +425,13 @@ def fit_views(fitted: Fit) -> dict[str, list[Floats]]:
     - `distance`: the sheet in the colours of its signed distance, red on the plastic side.
     """
     shape, disk = scene(fitted.shape), fitted.target.disk
+    share = 0.5 + 0.5 * np.clip(fitted.distance.mean_mm / _colour_limit(fitted), -1.0, 1.0)
     target, sheet = bare(disk.vertices, disk.triangles, ORANGE), (fitted.shape.positions, fitted.shape.triangles)
     things = {
         "target": target,
         "shape": shape,
         "overlaid": together(bare(*sheet, FABRIC_SIDE), target),
-        "distance": bare(*sheet, _distance_colours(fitted)),
+        "distance": bare(*sheet, SIGNED_DISTANCE_COLOURS(share)[:, :3]),
     }
     return aligned_views(things, np.concatenate([shape.points, target.points]))
 
@@ -456,8 +441,3 @@ def _colour_limit(fitted: Fit) -> float:
     # colours end at this quantile of the distance, so that a few places at the rim do not make the rest pale
     # mm, smallest distance at which colours end
     return max(float(np.quantile(np.abs(fitted.distance.mean_mm), 0.98)), 0.05)
-
-
-def _distance_colours(fitted: Fit) -> Floats:
-    share = 0.5 + 0.5 * np.clip(fitted.distance.mean_mm / _colour_limit(fitted), -1.0, 1.0)
-    return np.asarray(SIGNED_DISTANCE_COLOURS(share))[:, :3]

@@ -44,12 +44,13 @@ def comparison_views(comparison: Comparison) -> dict[str, list[Floats]]:
     - `distance`: the exact sheet in perspective; darker colours show a larger distance of the preview.
     """
     exact, preview = scene(comparison.reference), scene(comparison.other)
+    share = comparison.distance_mm / max(float(comparison.distance_mm.max()), 1e-12)
     (right, triangles), (other, others) = ((s.positions, s.triangles) for s in (comparison.reference, comparison.other))
     things = {
         "exact": exact,
         "preview": preview,
         "overlaid": together(bare(right, triangles, FABRIC_SIDE), bare(other, others, ORANGE)),
-        "distance": bare(right, triangles, _colours_of(comparison)),
+        "distance": bare(right, triangles, DISTANCE_COLOURS(share)[:, :3]),
     }
     return aligned_views(things, np.concatenate([exact.points, preview.points]))
 
@@ -64,12 +65,6 @@ def aligned_views(things: Mapping[str, Scene], frame: Floats) -> dict[str, list[
         name: [_framed(thing, view, frame) for view in (cameras if name == "overlaid" else cameras[:1])]
         for name, thing in things.items()
     }
-
-
-def _colours_of(comparison: Comparison) -> Floats:
-    """(V, 3) colours of the distance at the vertices of the exact sheet, from zero to its maximum."""
-    share = comparison.distance_mm / max(float(comparison.distance_mm.max()), 1e-12)
-    return np.asarray(DISTANCE_COLOURS(share))[:, :3]
 
 
 def together(one: Scene, other: Scene) -> Scene:

@@ -10,7 +10,6 @@ import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import dataclass
-from html import escape
 from importlib.resources import files
 from pathlib import Path
 from types import SimpleNamespace
@@ -28,6 +27,7 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.entries import with_entries
 from asterism.pattern.design.errors import check_type
 from asterism.process.version import __version__
+from asterism.reports.html import html_page
 from asterism.results.files import SUMMARY_FILE, OutputError, staged_result
 from asterism.results.records.sweep import SweepColumnRecord, SweepParameterRecord, SweepRecord, SweepRowRecord
 from asterism.sweeps.parameters import (
@@ -267,13 +267,7 @@ def sweep_parameters(design: Design, vary: Vary) -> tuple[SweepParameter, ...]:
 
 
 def sampled(parameters: Sequence[SweepParameter], samples: int | None, seed: int = 0) -> list[dict[str, Any]]:
-    """Values of the parameters by path for each design: all combinations, or a Latin hypercube of so many `samples`.
-
-    Raises
-    ------
-    SweepError
-        As `grid` and `latin_hypercube`.
-    """
+    """Values of the parameters by path for each design; errors as of `grid` and `latin_hypercube`."""
     return grid(parameters) if samples is None else latin_hypercube(parameters, samples, seed)
 
 
@@ -334,15 +328,11 @@ def sweep_page(sweep: Sweep) -> str:
         (page / name).read_text(encoding="utf-8")
         for name in ("sweep.css", "sweep.html", "data.js", "plot.js", "cards.js", "main.js")
     )
-    style = colours.read_text(encoding="utf-8") + style
-    return (
-        '<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
-        '<meta name="viewport" content="width=device-width, initial-scale=1">\n'
-        f"<title>{escape(sweep.design.name)}: sweep</title>\n<style>\n{style}</style>\n</head>\n<body>\n{body}"
-        f'<script id="data" type="application/json">{text}</script>\n<script>\n"use strict";\n'
-        + "\n".join(scripts)
-        + "</script>\n</body>\n</html>\n"
-    )
+    parts = [
+        f'{body}<script id="data" type="application/json">{text}</script>\n<script>\n"use strict";',
+        "\n".join(scripts) + "</script>",
+    ]
+    return html_page(f"{sweep.design.name}: sweep", parts, "\n" + colours.read_text(encoding="utf-8") + style)
 
 
 def _about(sweep: Sweep) -> str:

@@ -71,15 +71,18 @@ def test_the_plate_is_proportional_to_its_measured_stiffness(bending: str) -> No
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("grain", "modulus"), [(0.0, 9.0), (90.0, 4.0)])
+@pytest.mark.parametrize(
+    ("fabric", "modulus"),
+    [({"bending": "paper"}, 6.0), (KNIT | {"grain_deg": 0.0}, 9.0), (KNIT | {"grain_deg": 90.0}, 4.0)],
+)
 def test_a_solid_layer_of_lines_rolls_as_timoshenkos_bilayer_of_the_modulus_along_them(
-    grain: float, modulus: float
+    fabric: dict[str, Any], modulus: float
 ) -> None:
-    """Lines as far apart as they are wide; the sheet of `tests/validation/test_drawn_patterns.py`."""
+    """A layer without gaps: lines as far apart as they are wide."""
     lines = [{"line_mm": [(-15.0, y), (15.0, y)]} for y in 1.2 * (np.arange(11) - 5)]
     design = Design.from_dict(
         {
-            "fabric": KNIT | {"grain_deg": grain},
+            "fabric": fabric,
             "plastic": {"rest_curvature": "timoshenko", "modulus_ratio": 1600.0},
             "rods": {"draw": lines, "thickness_mm": 0.4, "width_mm": 1.1999},
             "border": {"rectangle_mm": (31.0, 13.2)},

@@ -460,13 +460,16 @@ def _section(axes: Axes, comparison: ScanComparison, along: int, level: float) -
     for selected, colour in ((near & ~comparison.used, "#b0b0b8"), (near & comparison.used, "#c8553d")):
         axes.plot(*comparison.points[selected][:, [along, 2]].T, ".", color=colour, markersize=2.5)
     axes.add_collection(LineCollection(list(segments), colors=INK, linewidths=1.2))
-    positions = comparison.shape.positions[:, [along, 2]]
-    low, high = positions.min(axis=0), positions.max(axis=0)
+    title = f"cut along {'xy'[along]} through the middle: shape black, scan red, left out grey"
+    frame_section(axes, comparison.shape.positions[:, [along, 2]], title)
+
+
+def frame_section(axes: Axes, points: Floats, title: str) -> None:
+    """Set the limits and the style of a section to scale, around points (n, 2) mm."""
+    low, high = points.min(axis=0), points.max(axis=0)
     room = 0.06 * float((high - low).max()) + 1.0
-    axes.set_xlim(low[0] - room, high[0] + room)
-    axes.set_ylim(low[1] - room, high[1] + room)
-    axes.set_aspect("equal")
-    style_axes(axes, f"cut along {'xy'[along]} through the middle: shape black, scan red, left out grey", "mm")
+    axes.set(xlim=(low[0] - room, high[0] + room), ylim=(low[1] - room, high[1] + room), aspect="equal")
+    style_axes(axes, title, "mm")
 
 
 def surface_cut(positions: Floats, triangles: Ints, axis: int, level: float) -> Floats:

@@ -89,24 +89,24 @@ def test_parts_add_up_to_the_distance(fitted: Fit) -> None:
         "exact": distances(0.6, 0.7),
         "rounding_loss_percent": 0.05,
     }
-    rest = remainder(with_numbers(fitted, **values))
-    assert list(rest.parts) == [
+    parts, _, _ = remainder(with_numbers(fitted, **values))
+    assert list(parts) == [
         "what the stars leave, in the preview",
         "rounding to the printer",
         "exact model against preview",
         "bumps of the stars",
     ]
-    assert np.sqrt(sum(size**2 for size, _ in rest.parts.values())) == pytest.approx(0.7)
-    assert rest.parts["rounding to the printer"][0] == pytest.approx(0.15)
+    assert np.sqrt(sum(size**2 for size, _ in parts.values())) == pytest.approx(0.7)
+    assert parts["rounding to the printer"][0] == pytest.approx(0.15)
     page = fit_page(with_numbers(fitted, **values, exact_agrees=False))
     assert "exact model against preview" in page and "+0.050 %" in page
     assert "lead to different minima" in page
     corrected = [{"mean_percent": 0.4, "step_mm": 0.0, "kept": True}]
-    rest = remainder(with_numbers(fitted, **values, corrections=corrected))
-    assert rest.parts["rounding to the printer"][0] == pytest.approx(np.sqrt(0.6**2 - 0.55**2))
-    assert np.sqrt(sum(size**2 for size, _ in rest.parts.values())) == pytest.approx(0.7)
-    gain = remainder(with_numbers(fitted, **values | {"exact": distances(0.1, 0.2)}))
-    assert "exact model against preview" not in gain.parts
+    parts, _, _ = remainder(with_numbers(fitted, **values, corrections=corrected))
+    assert parts["rounding to the printer"][0] == pytest.approx(np.sqrt(0.6**2 - 0.55**2))
+    assert np.sqrt(sum(size**2 for size, _ in parts.values())) == pytest.approx(0.7)
+    gain, _, _ = remainder(with_numbers(fitted, **values | {"exact": distances(0.1, 0.2)}))
+    assert "exact model against preview" not in gain
 
 
 @pytest.mark.usefixtures("without_pictures")
@@ -114,15 +114,15 @@ def test_places_and_limits_are_named(fitted: Fit) -> None:
     weights, away = fitted.shape.weights, fitted.distance
     radius = np.linalg.norm(fitted.shape.printed - fitted.shape.printed.mean(axis=0), axis=1)
     at_rim = replace(away, mean_mm=np.where(radius > np.quantile(radius, 0.8), 1.0, 0.1))
-    rest = remainder(replace(fitted, distance=at_rim))
-    rim, inside = list(rest.places.values())[:2]
+    _, places, advice = remainder(replace(fitted, distance=at_rim))
+    rim, inside = list(places.values())[:2]
     assert rim > 1.5 * inside
-    assert rest.advice == ("Most of the distance is at the rim. More needles hold it.",)
+    assert advice == ["Most of the distance is at the rim. More needles hold it."]
     # the places together have the distance of all
     total = 100.0 * np.sqrt(weights @ at_rim.mean_mm**2) / away.diameter_mm
     assert inside < total < rim
-    short = remainder(with_numbers(fitted, needed_ratio=1.3, available_ratio=1.2))
-    assert "a ratio of 1.300, and stars give 1.200" in short.parts["what the stars leave, in the preview"][1]
+    short, _, _ = remainder(with_numbers(fitted, needed_ratio=1.3, available_ratio=1.2))
+    assert "a ratio of 1.300, and stars give 1.200" in short["what the stars leave, in the preview"][1]
     assert "Not reached" in fit_page(with_numbers(fitted, reached=False))
 
 
