@@ -49,7 +49,9 @@ def main() -> None:
             # a shell may start a background program with these signals ignored
             if signal.getsignal(number) is not signal.SIG_IGN:
                 signal.signal(number, interrupt)
-        _print_all_names()
+        # file names that are not valid text: the strict default would raise an exception
+        if getattr(sys.stdout, "errors", None) == "strict" and hasattr(sys.stdout, "reconfigure"):
+            sys.stdout.reconfigure(errors="backslashreplace")
         status = _run()
     except KeyboardInterrupt:
         status = 130
@@ -76,12 +78,6 @@ def plain_words(message: str) -> str:
     for pattern, words in PARSER_WORDS.items():
         message = re.sub(pattern, words, message)
     return message
-
-
-def _print_all_names() -> None:
-    """Let output accept file names that are not valid text: the strict default would raise an exception."""
-    if getattr(sys.stdout, "errors", None) == "strict" and hasattr(sys.stdout, "reconfigure"):
-        sys.stdout.reconfigure(errors="backslashreplace")
 
 
 def _run() -> int:

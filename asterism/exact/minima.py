@@ -32,12 +32,7 @@ def one_minimum(model: DiscreteModel, equilibrium: Equilibrium, near: bool = Fal
 
 
 def many_minima(minima: Minima, starts: int) -> StartsRecord:
-    """The record of many starts.
-
-    `minima` holds the minima on the fine mesh; the first one is the result. `minima_coarse` holds the minima of the
-    coarse exploration, of which the lowest are carried to the fine mesh. Distances are in % of the diameter, modulo
-    the symmetries of the design.
-    """
+    """The record of many starts."""
     fine, coarse = minima.fine, minima.coarse
     not_carried = minima.refined.count(False)
     return several_minima(

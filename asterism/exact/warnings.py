@@ -22,7 +22,14 @@ def exact_warnings(record: ExactRecord, design: Design, layout: Layout) -> list[
     if pairs := record.self_intersections:
         remedy = "; --contact prevents this" if record.self_contact is None else ""
         lines.append(f"{passing(pairs)}{remedy}")
-    lines += _mesh(record)
+    # a search that ended at its largest mesh, above its tolerance
+    error, tolerance = record.mesh_error_percent, record.mesh_tolerance_percent
+    ended = f"the search ended at {record.vertices} vertices"
+    if tolerance is not None and error is not None and error > tolerance:
+        lines.append(f"the mesh error, about {error:.1f} %, is above the tolerance of {tolerance:g} %: {ended}")
+    elif tolerance is not None and record.mesh_forms_differ:
+        change = f"{record.mesh_change_percent:.1f} % of the diameter apart"
+        lines.append(f"the last two meshes have different forms, {change}: {ended}")
     rolls = not layout.is_supported_in_plane and record.roll_axis_deg is not None
     # edge length over the spacing of the stars, above which the radius of a free roll depends on the mesh of hinges
     if rolls and design.fabric.bending_follows_mesh and record.edge_mm > 0.03 * layout.spacing_mm:
@@ -32,17 +39,6 @@ def exact_warnings(record: ExactRecord, design: Design, layout: Layout) -> list[
         )
     of_design = [*site_warnings(layout), *sizing_warnings(design, layout), *pin_warnings(layout, design.gravity.on)]
     return [*lines, *off_branch(record), *of_design]
-
-
-def _mesh(record: ExactRecord) -> Iterator[str]:
-    """A search that ended at its largest mesh, above its tolerance."""
-    error, tolerance = record.mesh_error_percent, record.mesh_tolerance_percent
-    ended = f"the search ended at {record.vertices} vertices"
-    if tolerance is not None and error is not None and error > tolerance:
-        yield f"the mesh error, about {error:.1f} %, is above the tolerance of {tolerance:g} %: {ended}"
-    elif tolerance is not None and record.mesh_forms_differ:
-        change = f"{record.mesh_change_percent:.1f} % of the diameter apart"
-        yield f"the last two meshes have different forms, {change}: {ended}"
 
 
 def off_branch(record: ExactRecord) -> Iterator[str]:

@@ -108,6 +108,5 @@ class SheetWidget(anywidget.AnyWidget):
             return
         for traits in self._answer(change["new"]):
             with self.hold_sync():  # a shape arrives together with its mesh
-                self.set_trait("mesh", traits.get("mesh", self.mesh))
-                self.set_trait("frame", traits.get("frame", self.frame))
-                self.set_trait("panel", traits.get("panel", self.panel))
+                for name, value in traits.items():
+                    self.set_trait(name, value)

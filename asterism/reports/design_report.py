@@ -304,9 +304,12 @@ def _text(figure: Figure, x: float | Floats, y: float | Floats, text: str, size_
 
 def design_facts(job: Job, summary: Mapping[str, Any], source: str) -> Facts:
     """Lines on parameters, shape (with its origin), accuracy and material, as far as they are available."""
+    plastic = job.design.plastic
+    kept = plastic.kappa_bar_per_mm
+    bar = "by thickness" if isinstance(kept, ResidualCurvature) else f"{kept:g} /mm"
     facts = {
         "Fabric": _fabric(job.design),
-        "Plastic": _plastic(job.design),
+        "Plastic": [f"E1/E2 {plastic.modulus_ratio:g}, {plastic.rest_curvature}", f"kappa_bar {bar}"],
         "Stars": _stars(job.drawn_plan, job.design) if job.arms else [],
         "Rods": _rods(job.drawn_plan),
         "Shape": [
@@ -333,13 +336,6 @@ def _fabric(design: Design) -> list[str]:
         x, y, z = design.gravity.direction
         lines.append(f"weight along ({x:g}, {y:g}, {z:g})")
     return lines
-
-
-def _plastic(design: Design) -> list[str]:
-    plastic = design.plastic
-    kept = plastic.kappa_bar_per_mm
-    bar = "by thickness" if isinstance(kept, ResidualCurvature) else f"{kept:g} /mm"
-    return [f"E1/E2 {plastic.modulus_ratio:g}, {plastic.rest_curvature}", f"kappa_bar {bar}"]
 
 
 def _stars(plan: Layout, design: Design) -> list[str]:
@@ -417,23 +413,19 @@ def _accuracy(summary: Mapping[str, Any]) -> list[str]:
 
 def _print(job: Job) -> list[str]:
     cost = job.cost
+    rounded = [
+        f"{name} {', '.join(f'{value:g}' for value in size.values_mm[:4])} mm after rounding"
+        for name, size in job.size_changes.items()
+        if size.stars_changed or size.rods_changed
+    ]
     return [
         *([f"LARGER than the {job.printer.name} can print in its frame"] if job.too_large else []),
         f"{job.printer.name}, {job.plastic.name}",
-        *_rounded(job),
+        *rounded,
         f"{cost.mass_g:.1f} g, {cost.filament_m:.2f} m of filament",
         f"about {cost.minutes:.0f} minutes",
         f"nozzle starts {job.z_offset_mm:g} mm above the bed" + ("" if job.fabric_given else ", on released fabric"),
     ]
-
-
-def _rounded(job: Job) -> list[str]:
-    """The sizes that the printer makes, if they differ from those of the design."""
-    lines = []
-    for name, size in job.size_changes.items():
-        if size.stars_changed or size.rods_changed:
-            lines.append(f"{name} " + ", ".join(f"{value:g}" for value in size.values_mm[:4]) + " mm after rounding")
-    return lines
 
 
 def _range(values: np.ndarray) -> str:

@@ -114,7 +114,15 @@ def with_whole_ranges(design: Design, parameters: Sequence[SweepParameter]) -> t
     SweepError
         Such a range begins or ends with a fraction.
     """
-    return tuple(_whole_range(each) if each.limits and _is_count(design, each) else each for each in parameters)
+    found = []
+    for each in parameters:
+        if each.limits and _is_count(design, each):
+            low, high = each.limits
+            if not (float(low).is_integer() and float(high).is_integer()):
+                raise SweepError(f"{each.path}={low:g}:{high:g}: must be a range of whole numbers")
+            each = replace(each, limits=(int(low), int(high)), whole=True)
+        found.append(each)
+    return tuple(found)
 
 
 def _is_count(design: Design, parameter: SweepParameter) -> bool:
@@ -124,13 +132,6 @@ def _is_count(design: Design, parameter: SweepParameter) -> bool:
     except DesignError as error:
         return error.allowed == MUST_BE_WHOLE and _as_path(error.field) == parameter.path
     return False
-
-
-def _whole_range(parameter: SweepParameter) -> SweepParameter:
-    low, high = parameter.limits or (0.0, 0.0)
-    if not (float(low).is_integer() and float(high).is_integer()):
-        raise SweepError(f"{parameter.path}={low:g}:{high:g}: must be a range of whole numbers")
-    return replace(parameter, limits=(int(low), int(high)), whole=True)
 
 
 def check_parameters(design: Design, parameters: Sequence[SweepParameter]) -> None:

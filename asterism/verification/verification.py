@@ -62,13 +62,27 @@ def verification_warnings(verification: Verification, apart_percent: float) -> l
     lines += _exact_shape(exact, lines)
     if not exact.is_minimum:  # without an exact minimum, the comparison has no meaning
         return lines
-    return [
-        *lines,
-        *two_minima_warnings(verification.exact, verification.result, apart_percent),
-        *_far(verification.comparison, preview.get("expected_rms_percent")),
-        *_high(verification.comparison, preview.get("expected_height_percent")),
-        *_mesh_error(exact, verification.comparison.rms_percent),
-    ]
+    lines += two_minima_warnings(verification.exact, verification.result, apart_percent)
+    comparison = verification.comparison
+    distance, expected = comparison.rms_percent, preview.get("expected_rms_percent")
+    if expected is not None and distance > MAX_ERROR_RATIO * expected:
+        estimate = f"the estimated error of the preview ({expected:.1f} %)"
+        lines.append(f"the distance ({distance:.1f} %) is more than twice {estimate}")
+    (right, shown), expected = comparison.record.heights_mm, preview.get("expected_height_percent")
+    # largest difference of the heights, in % of the exact height, without a warning if the preview has no estimate
+    limit = 10.0 if expected is None else MAX_ERROR_RATIO * expected
+    off = 100.0 * abs(shown - right)
+    if off > 100.0 * FLAT_HEIGHT_FACTOR * comparison.diameter_mm and off > limit * right:
+        heights = f"the preview is {shown:.1f} mm high, the exact shape {right:.1f} mm"
+        estimate = "" if expected is None else f", more than twice its estimated error ({expected:.1f} %)"
+        lines.append(f"{heights}: {off / right:.0f} % off{estimate}" if right else heights)
+    change = exact.get("mesh_change_percent")
+    if exact.mesh_error_percent is None and change is not None and change > distance:
+        lines.append(
+            f"the mesh error of the exact model is unknown: its shape is {change:.1f} % away from that on the next "
+            f"coarser mesh, more than the distance ({distance:.1f} %)"
+        )
+    return lines
 
 
 def _exact_shape(exact: ExactRecord, known: Sequence[str]) -> Iterator[str]:
@@ -91,33 +105,3 @@ def two_minima_warnings(exact: Mapping[str, Shape], result: str, apart_percent: 
                 f"the exact model has two minima, {apart_percent:.1f} % of the diameter apart, whose energies "
                 f"differ by {small_percent(100.0 * more)}: a print may rest in either"
             )
-
-
-def _far(comparison: Comparison, expected: float | None) -> Iterator[str]:
-    """A distance far above the estimated error of the preview."""
-    distance = comparison.rms_percent
-    if expected is not None and distance > MAX_ERROR_RATIO * expected:
-        estimate = f"the estimated error of the preview ({expected:.1f} %)"
-        yield f"the distance ({distance:.1f} %) is more than twice {estimate}"
-
-
-def _high(comparison: Comparison, expected: float | None) -> Iterator[str]:
-    """Heights that differ by far more than the estimated error of the preview."""
-    exact, preview = comparison.record.heights_mm
-    # largest difference of the heights, in % of the exact height, without a warning if the preview has no estimate
-    limit = 10.0 if expected is None else MAX_ERROR_RATIO * expected
-    off = 100.0 * abs(preview - exact)
-    if off > 100.0 * FLAT_HEIGHT_FACTOR * comparison.diameter_mm and off > limit * exact:
-        heights = f"the preview is {preview:.1f} mm high, the exact shape {exact:.1f} mm"
-        estimate = "" if expected is None else f", more than twice its estimated error ({expected:.1f} %)"
-        yield f"{heights}: {off / exact:.0f} % off{estimate}" if exact else heights
-
-
-def _mesh_error(exact: ExactRecord, distance: float) -> Iterator[str]:
-    """An exact shape that does not state its mesh error, and changes from mesh to mesh by more than the distance."""
-    error, change = exact.mesh_error_percent, exact.get("mesh_change_percent")
-    if error is None and change is not None and change > distance:
-        yield (
-            f"the mesh error of the exact model is unknown: its shape is {change:.1f} % away from that on the next "
-            f"coarser mesh, more than the distance ({distance:.1f} %)"
-        )
