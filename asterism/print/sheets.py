@@ -9,6 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 import shapely
+from shapely.geometry.base import BaseGeometry
 
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.geometry.planar import dense_outline
@@ -30,7 +31,6 @@ from asterism.print.drawing import (
 )
 from asterism.print.job import Job
 from asterism.print.needles import HOLE_DIAMETER_MM
-from asterism.print.solid import Terrace
 from asterism.results.words import fixed_point
 
 # layers
@@ -64,9 +64,9 @@ def layout_sheet(job: Job) -> Drawing:
     frame, bed = job.printer.frame.size_mm, job.printer.bed_mm
     items: DrawingItems = []
     for steps, layer in ((job.above, STARS if job.arms else RODS), (job.below, BELOW)):
-        items += _areas(steps[0], layer) if steps else []
+        items += areas(steps[0].region, layer) if steps else []
     if job.border is not None:
-        items += _areas(job.border, GUIDE)
+        items += areas(job.border.region, GUIDE)
     items += [Polyline(CUT, job.placement.points(line), closed=True) for line in job.cut]
     items += [rectangle(FRAME, frame), rectangle(OPENING, job.printer.frame.opening_mm), rectangle(BED, bed)]
     items += _marks(frame, bed)
@@ -241,9 +241,10 @@ def _clear_of(needles: Floats) -> Floats:
     return np.asarray(places[np.minimum(distance, 20.0).argmax()])
 
 
-def _areas(step: Terrace, layer: DrawingLayer) -> DrawingItems:
+def areas(region: BaseGeometry, layer: DrawingLayer) -> DrawingItems:
+    """The polygons of a region with their holes."""
     lines: DrawingItems = []
-    for polygon in shapely.get_parts(step.region):
+    for polygon in shapely.get_parts(region):
         rings = [np.asarray(ring.coords)[:-1] for ring in (polygon.exterior, *polygon.interiors)]
         lines.append(Polyline(layer, rings[0], closed=True, holes=tuple(rings[1:])))
     return lines

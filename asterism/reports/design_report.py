@@ -3,28 +3,21 @@
 from __future__ import annotations
 
 import textwrap
-import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from io import BytesIO
 from pathlib import Path
 from typing import Any
 
-import matplotlib
 import numpy as np
 import shapely
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
-from matplotlib.patches import PathPatch
-from matplotlib.path import Path as Outline
-from matplotlib.transforms import Affine2D, Transform
 from PIL import Image
-from shapely.geometry.base import BaseGeometry
 
-from asterism.draw.fonts import families, printable
 from asterism.draw.picture import draw_shape
-from asterism.draw.style import INK, PALE
+from asterism.draw.style import PALE
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.errors import ForeignLaw, LawError
 from asterism.homogenize.law.law import Law
@@ -32,9 +25,11 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.materials import ResidualCurvature
 from asterism.pattern.layout.layout import Layout
-from asterism.print.drawing import A4_MM
+from asterism.print.drawing import A4_MM, NEEDLES, STARS, TEXT, Circle, Drawing, DrawingLayer, Label, Polyline
+from asterism.print.formats.pdf import write_pdf
 from asterism.print.job import Job, prepare
 from asterism.print.printer import PlasticProfile, Printer, load_plastic, load_printer
+from asterism.print.sheets import areas
 from asterism.process.listeners import Say, ignore_line
 from asterism.results.files import OutputError, check_writable, staged
 from asterism.results.record import Record
@@ -160,9 +155,10 @@ Facts = dict[str, list[str]]
 PAGE_MM = np.array(A4_MM)
 # empty border of the page
 _MARGIN_MM = 15.0
-# colours of needles and warnings, and of the sheet
 RED = "#c8553d"
-SHEET = "#f3f1ea"
+NOTES, DOUBTS = DrawingLayer("notes", PALE), DrawingLayer("doubts", RED)
+SHEET, BELOW = DrawingLayer("sheet", "#f3f1ea", filled=True), DrawingLayer("below", PALE, filled=True)
+DOTS = replace(NEEDLES, colour=RED, filled=True)
 # size of the area for the layout, and its lower left corner on the page
 LAYOUT_MM = np.array([112.0, 122.0])
 LAYOUT_AT = np.array([83.0, 42.0])
@@ -172,28 +168,16 @@ MAX_LISTED_NEEDLES = 12
 MAX_WARNING_LINES = 3
 # scales 1:n of the layout
 SCALES = (1, 1.5, 2, 2.5, 3, 4, 5, 10, 20, 50)
-# points per mm, and places on the page in mm as points
-_POINTS = 72 / 25.4
-TO_PAGE = Affine2D().scale(_POINTS)
 
 
 def _write_design_page(path: Path, job: Job, facts: Facts, lines: Sequence[str], shape: Shape | None) -> float:
     """Write the page as PDF, with these facts and warnings; returns n of the layout's scale 1:n."""
-    figure = Figure(figsize=tuple(PAGE_MM / 25.4), dpi=72.0, facecolor="white")
-    FigureCanvasAgg(figure)
-    name = job.design.name
-    _text(figure, _MARGIN_MM, 276.0, name, 7.0 * min(1.0, 40 / max(len(name), 1)), weight="bold")
-    if shape is not None:
-        _picture(figure, shape)
-    _warnings(figure, lines)
-    _facts(figure, facts)
-    parts = _layout(figure, job)
-    _needles(figure, job)
-    settings: dict[Any, Any] = {"pdf.fonttype": 42, "path.simplify": False}
-    with warnings.catch_warnings(), matplotlib.rc_context(settings):
-        warnings.filterwarnings("ignore", "Glyph .* missing from font")
-        page = BytesIO()
-        figure.savefig(page, format="pdf", dpi=300, metadata={"Title": name, "CreationDate": None})
+    name, page = job.design.name, BytesIO()
+    title = _text(_MARGIN_MM, 276.0, name, 7.0 * min(1.0, 40 / max(len(name), 1)), bold=True)
+    items, parts = _layout(job)
+    items = [title, *_warnings(lines), *_facts(facts), *items, *_needles(job)]
+    drawing = Drawing(name, np.zeros(2), PAGE_MM, tuple(items))
+    write_pdf(page, [drawing], None if shape is None else partial(_picture, shape=shape))
     # not by matplotlib, whose error on a full disk is not an OSError
     path.write_bytes(page.getvalue())
     return parts
@@ -214,17 +198,20 @@ def _picture(figure: Figure, shape: Shape) -> None:
     axes.axis("off")
 
 
-def _warnings(figure: Figure, texts: Sequence[str]) -> None:
-    """Write the warnings between the picture and the facts, as many as fit."""
+def _text(x: float, y: float, text: str, size_mm: float, layer: DrawingLayer = TEXT, bold: bool = False) -> Label:
+    return Label(layer, np.array([x, y]), text, size_mm, bold=bold)
+
+
+def _warnings(texts: Sequence[str]) -> list[Label]:
+    """The warnings between the picture and the facts, as many as fit."""
     # longest line of the warnings, in characters
     lines = [line for text in texts for line in textwrap.wrap(text, 145)]
     if len(lines) > MAX_WARNING_LINES:
         lines = [*lines[: MAX_WARNING_LINES - 1], "... and more: see the summary of the results"]
-    for k, line in enumerate(lines):
-        _text(figure, _MARGIN_MM, 181.5 - 3.2 * k, line, 2.3, color=RED)
+    return [_text(_MARGIN_MM, 181.5 - 3.2 * k, line, 2.3, DOUBTS) for k, line in enumerate(lines)]
 
 
-def _facts(figure: Figure, facts: Facts) -> None:
+def _facts(facts: Facts) -> Iterator[Label]:
     # baselines of the first and of the last line of the facts; their distances, below a line and below a paragraph
     top, bottom = (170.0, 40.0)
     below_line, below_paragraph = (4.2, 6.4)
@@ -232,74 +219,61 @@ def _facts(figure: Figure, facts: Facts) -> None:
     squeezed = min(1.0, (top - bottom) / needed)
     y = top
     for head, lines in facts.items():
-        _text(figure, _MARGIN_MM, y, head, 3.3 * squeezed, weight="bold")
+        yield _text(_MARGIN_MM, y, head, 3.3 * squeezed, bold=True)
         for line in lines:
             y -= below_line * squeezed
-            _text(figure, _MARGIN_MM, y, line, 2.7 * squeezed)
+            yield _text(_MARGIN_MM, y, line, 2.7 * squeezed)
         y -= below_paragraph * squeezed
 
 
-def _layout(figure: Figure, job: Job) -> float:
-    """Draw the printed layout, seen from the plastic side, with its needles; returns n of its scale 1:n."""
+def _layout(job: Job) -> tuple[list[Polyline | Circle | Label], float]:
+    """The printed layout, seen from the plastic side, with its needles; n of its scale 1:n."""
     border = job.plan.outline
     low, high = border.min(axis=0), border.max(axis=0)
     parts = next((n for n in SCALES if ((high - low) / n <= LAYOUT_MM).all()), SCALES[-1])
-    middle = LAYOUT_AT + LAYOUT_MM / 2
-    to_drawing = Affine2D().translate(*-(low + high) / 2).scale(1 / parts).translate(*middle) + TO_PAGE
-    sheet = shapely.Polygon(border, job.plan.holes)
-    _draw(figure, to_drawing, sheet, facecolor=SHEET, edgecolor=PALE, linewidth=0.6)
+
+    def on_page(places: Floats) -> Floats:
+        return (np.asarray(places) - (low + high) / 2) / parts + LAYOUT_AT + LAYOUT_MM / 2
+
+    holes = tuple(map(on_page, job.plan.holes))
+    items: list[Polyline | Circle | Label] = [Polyline(SHEET, on_page(border), closed=True, holes=holes)]
+    items += [Polyline(NOTES, ring, closed=True) for ring in (on_page(border), *holes)]
     for piece in (*job.arms, *job.rods):
-        _draw(figure, to_drawing, piece.region, facecolor=INK if piece.side > 0 else PALE, linewidth=0)
+        items += areas(shapely.transform(piece.region, on_page), STARS if piece.side > 0 else BELOW)
     for needle in job.needles[:200]:
-        spot = shapely.Point(needle.printed).buffer(1.0 * parts)
-        _draw(figure, to_drawing, spot, facecolor=RED, linewidth=0)
+        items.append(Circle(DOTS, on_page(needle.printed), 1.0))
         if len(job.needles) <= MAX_LISTED_NEEDLES:
             # the number stands towards the middle, so that it stays within the drawing
             inwards = (low + high) / 2 - needle.printed
             far = float(np.linalg.norm(inwards))
             at = needle.printed + 4.0 * parts * (inwards / far if far > 4.0 * parts else np.array([0.0, 1.0]))
-            x, y = (at - (low + high) / 2) / parts + middle
-            # with a background, since it may lie on an arm
-            style = {"color": RED, "weight": "bold", "bbox": {"facecolor": SHEET, "edgecolor": "none", "pad": 0.6}}
-            _text(figure, x, y - 1.0, str(needle.number), 2.8, ha="center", **style)
+            items.append(Label(DOTS, on_page(at) - [0.0, 1.0], str(needle.number), 2.8, "middle", bold=True))
     head = f"Layout 1:{parts:g}, on the stretched fabric, " + ("plastic below grey" if job.below else "plastic side")
-    _text(figure, LAYOUT_AT[0], LAYOUT_AT[1] + LAYOUT_MM[1] + 5.0, head, 3.3, weight="bold")
-    return float(parts)
+    items.append(_text(LAYOUT_AT[0], LAYOUT_AT[1] + LAYOUT_MM[1] + 5.0, head, 3.3, bold=True))
+    return items, float(parts)
 
 
-def _needles(figure: Figure, job: Job) -> None:
+def _needles(job: Job) -> Iterator[Label]:
     needles = job.needles
     if not needles:
-        _text(figure, _MARGIN_MM, 33.0, "No needles: the sheet is free.", 2.7, color=PALE)
+        yield _text(_MARGIN_MM, 33.0, "No needles: the sheet is free.", 2.7, NOTES)
         return
-    _text(figure, _MARGIN_MM, 35.0, f"Needles: {len(needles)}", 3.3, weight="bold")
+    yield _text(_MARGIN_MM, 35.0, f"Needles: {len(needles)}", 3.3, bold=True)
     if len(needles) > MAX_LISTED_NEEDLES:
         text = "Red dots in the layout. asterism export writes their places (needles.csv) and a drilling template."
-        _text(figure, _MARGIN_MM, 30.5, text, 2.7)
+        yield _text(_MARGIN_MM, 30.5, text, 2.7)
         return
     for i, needle in enumerate(needles):
         column, row = divmod(i, 4)
         printed = _numbers(needle.printed)
         place = "slides" if needle.place is None else _numbers(needle.place)
         text = f"{needle.number}: printed ({printed}), stands at ({place})"
-        _text(figure, _MARGIN_MM + 62.0 * column, 30.5 - 4.2 * row, text, 2.3)
+        yield _text(_MARGIN_MM + 62.0 * column, 30.5 - 4.2 * row, text, 2.3)
 
 
 def _numbers(place: Floats) -> str:
     """Coordinates in mm, without negative zeros; an open coordinate is `slides`."""
     return ", ".join("slides" if np.isnan(value) else f"{value:.1f}" for value in np.round(place, 1) + 0.0)
-
-
-def _draw(figure: Figure, transform: Transform, region: BaseGeometry, **style: Any) -> None:
-    for polygon in shapely.orient_polygons(shapely.get_parts(region)):
-        rings = [polygon.exterior, *polygon.interiors]  # holes run the other way round
-        outline = Outline.make_compound_path(*(Outline(np.asarray(ring.coords), closed=True) for ring in rings))
-        figure.add_artist(PathPatch(outline, transform=transform, **style))
-
-
-def _text(figure: Figure, x: float | Floats, y: float | Floats, text: str, size_mm: float, **style: Any) -> None:
-    settings: dict[str, Any] = {"color": INK, "family": families(), "parse_math": False} | style
-    figure.text(float(x), float(y), printable(text), transform=TO_PAGE, fontsize=size_mm * _POINTS, **settings)
 
 
 def design_facts(job: Job, summary: Mapping[str, Any], source: str) -> Facts:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from typing import IO
 
 import matplotlib
 import numpy as np
@@ -27,8 +28,10 @@ _POINTS_PER_MM = 72 / _MM_PER_INCH
 
 
 @export_format("PDF", ".pdf", "pages")
-def write_pdf(path: Path, drawings: Sequence[Drawing]) -> None:
-    """Write drawings as pages, without a date. Characters that the font lacks become boxes."""
+def write_pdf(
+    path: Path | IO[bytes], drawings: Sequence[Drawing], picture: Callable[[Figure], None] | None = None
+) -> None:
+    """Write drawings as pages, without a date; `picture` adds to each. Characters that the font lacks become boxes."""
     with (
         warnings.catch_warnings(),
         matplotlib.rc_context({"pdf.fonttype": 42, "path.simplify": False}),
@@ -36,7 +39,10 @@ def write_pdf(path: Path, drawings: Sequence[Drawing]) -> None:
     ):
         warnings.filterwarnings("ignore", "Glyph .* missing from font")
         for drawing in drawings:
-            pages.savefig(_page(drawing))
+            page = _page(drawing)
+            if picture is not None:
+                picture(page)
+            pages.savefig(page)
 
 
 def _page(drawing: Drawing) -> Figure:
@@ -88,7 +94,7 @@ def _write_text(figure: Figure, item: Label, to_page: Transform) -> None:
     # a number may stand on an arm: first a white line around it, then the text, so that a search finds it
     # width of the white line around a number
     halo = [Stroke(linewidth=1.0 * _POINTS_PER_MM, foreground="white")]
-    for effects in [halo, None] if item.layer is NEEDLES else [None]:
+    for effects in [halo, None] if item.layer.name == NEEDLES.name else [None]:
         figure.text(
             float(item.at[0]),
             float(item.at[1]),
