@@ -93,10 +93,8 @@ def check_ending(path: Path, ending: str) -> None:
 def results_folder(design: Path, output: Path | None, default: Path, *names: str) -> Path:
     """The folder given by the user, or the default one, for files of these names (or summary.json and its like).
 
-    Raises
-    ------
-    OutputError
-        The folder cannot be written to, holds files of another origin, or the results would replace the design.
+    Raises OutputError: the folder cannot be written to, holds files of another origin, or the results would replace the
+    design.
     """
     from asterism.results.files import SUMMARY_FILE, OutputError, check_writable
 
@@ -122,10 +120,7 @@ OVERRIDES = {
 def with_overrides(design: Design, **options: Any) -> Design:
     """The design with the entries given on the command line: options of `OVERRIDES`; None for no change.
 
-    Raises
-    ------
-    DesignError
-        A value is not allowed; the message names the option.
+    Raises DesignError: a value is not allowed; the message names the option.
     """
     from asterism.pattern.design.design import Design
     from asterism.pattern.design.entries import with_entries

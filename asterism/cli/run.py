@@ -119,10 +119,7 @@ class Run:
     def cost(self, cost: Cost) -> None:
         """Print what a computation costs; ask for consent if that is much.
 
-        Raises
-        ------
-        Mistake
-            It costs much, and neither --yes nor a terminal gives consent.
+        Raises Mistake: it costs much, and neither --yes nor a terminal gives consent.
         """
         if (cost.seconds > 300.0 or cost.memory_mb > 4000.0) and not self.yes:
             with self.progress.paused():

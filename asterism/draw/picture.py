@@ -149,10 +149,7 @@ def view_image(
     plain : without title, numbers and scale bar.
     title : first line of a picture that is not plain.
 
-    Raises
-    ------
-    ValueError
-        A size, the scale or the name of the view is not allowed.
+    Raises ValueError: a size, the scale or the name of the view is not allowed.
     """
     check_picture(view, size_px, pixels_per_mm)
     shape = shape if shape.held else shape.aligned()

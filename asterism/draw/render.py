@@ -171,9 +171,7 @@ def _turns_left(places: Floats, triangles: Ints) -> np.ndarray:
 def bare(positions: Floats, triangles: Ints, colour: Floats | Sequence[float]) -> Scene:
     """A surface with vertices (V, 3) mm and triangles (T, 3), without arms and supports.
 
-    Parameters
-    ----------
-    colour : (3,) one colour, or (V, 3) one for each vertex, 0 to 1.
+    `colour`: (3,) one colour, or (V, 3) one for each vertex, 0 to 1.
     """
     colours = np.broadcast_to(np.asarray(colour, dtype=float), (len(positions), 3))
     return Scene(positions, vertex_normals(positions, triangles), triangles, len(triangles), colours=colours)

@@ -127,10 +127,7 @@ def spread(shape: Shape, backend: str = "auto", report: Report | None = None, sa
 def check_spread(design: Design, plan: Layout) -> list[str]:
     """The keys of `[spread]` whose values the design has, and are not known.
 
-    Raises
-    ------
-    DesignError
-        An interval has an end that cannot be printed, or all values are known.
+    Raises DesignError: an interval has an end that cannot be printed, or all values are known.
     """
     spread = design.spread or Spread()
     known, off = _values_at(spread, {}), _values_at(spread, dict.fromkeys(VALUES, 1.0))
@@ -150,10 +147,7 @@ def check_spread(design: Design, plan: Layout) -> list[str]:
 def varied(design: Design, plan: Layout, t: Mapping[str, float]) -> tuple[Design, Layout]:
     """The design and the layout of a print whose values are t half intervals of the spread away, by their keys.
 
-    Raises
-    ------
-    DesignError
-        A value is not allowed, or a rod is too thin or too thick.
+    Raises DesignError: a value is not allowed, or a rod is too thin or too thick.
     """
     fabric, plastic, off = design.fabric, design.plastic, _values_at(design.spread or Spread(), t)
     strain = 1.0 + 0.01 * off["stretch_percent"]

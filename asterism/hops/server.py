@@ -169,10 +169,7 @@ def run_hops(
     patience_s : longest estimated time of an exact shape.
     say : called with the addresses of the components.
 
-    Raises
-    ------
-    ListenError
-        The port is in use.
+    Raises ListenError: the port is in use.
     """
     with bound(LOOPBACK, port) as listening:
         port = listening.getsockname()[1]

@@ -126,10 +126,8 @@ class LiveSheet:
     def answer(self, request: Mapping[str, Any]) -> Iterator[Traits]:
         """The answers to a request, as they come; the last one carries its number in `panel["answered"]`.
 
-        Parameters
-        ----------
-        request : `seq`, its number; `values` by the keys of the sliders; `is_dragging`, whether more will follow. The
-            summary follows only if not.
+        `request`: `seq`, its number; `values` by the keys of the sliders; `is_dragging`, whether more will follow. The
+        summary follows only if not.
         """
         seq = int(request["seq"])
         try:
@@ -245,10 +243,7 @@ class Slider:
 class SliderBoard:
     """The sliders of the design of a preview when it is shown, in the order of `keys`; by default all that it has.
 
-    Raises
-    ------
-    ValueError
-        A key is no slider, or the design does not have it.
+    Raises ValueError: a key is no slider, or the design does not have it.
     """
 
     def __init__(self, design: Design, layout: Layout, law: StarLaw, keys: Sequence[str] | None = None) -> None:
@@ -272,10 +267,7 @@ class SliderBoard:
     def checked(self, values: Mapping[str, Any]) -> dict[str, float]:
         """Values within the ranges of the sliders; those that are left out are the design's own.
 
-        Raises
-        ------
-        ValueError
-            There is no such slider, or a value is no number.
+        Raises ValueError: there is no such slider, or a value is no number.
         """
         out = self.start
         by_key = {slider.key: slider for slider in self.sliders}

@@ -134,10 +134,7 @@ def host_names(listen: str, port: int) -> frozenset[str]:
 def bound(address: str, port: int) -> Iterator[socket.socket]:
     """A socket that listens at an address and a port; port 0 takes a free one.
 
-    Raises
-    ------
-    ListenError
-        The address is not one of this machine, or the port is in use.
+    Raises ListenError: the address is not one of this machine, or the port is in use.
     """
     try:
         given = ipaddress.ip_address(address)

@@ -43,10 +43,7 @@ class Row:
     def number_in(self, column: str, low: float, high: float, unit: str = "mm", needed: bool = False) -> float | None:
         """The number from `low` to `high` in a cell; None if the cell is empty.
 
-        Raises
-        ------
-        TableError
-            It is no number or out of range, or empty although it is `needed`; the message says the unit.
+        Raises TableError: it is no number or out of range, or empty although it is `needed`; the message says the unit.
         """
         text = self.cells.get(column, "")
         if not text:
@@ -80,10 +77,7 @@ def read_rows(path: Path, known: tuple[str, ...], required: tuple[str, ...]) -> 
     known : names of the allowed columns.
     required : names of the columns that must exist.
 
-    Raises
-    ------
-    TableError
-        The file cannot be read, or its header is wrong.
+    Raises TableError: the file cannot be read, or its header is wrong.
     """
     lines = _lines(path)
     if not lines:

@@ -68,19 +68,14 @@ def staged(directory: str | Path, stale: str | None = None) -> Iterator[Path]:
     The directory is made if it is missing. If the block ends with an exception or an interruption, earlier results in
     `directory` remain unchanged.
 
-    Parameters
-    ----------
-    stale : regular expression for whole names of files of this kind of result. Earlier files with such a name that are
-        not written again are removed.
+    `stale`: regular expression for whole names of files of this kind of result. Earlier files with such a name that are
+    not written again are removed.
 
     Yields
     ------
     The folder to write into. It may hold files, but not folders.
 
-    Raises
-    ------
-    OutputError
-        A file cannot be written.
+    Raises OutputError: a file cannot be written.
     """
     directory = Path(directory)
     clear_unfinished(directory)
@@ -114,10 +109,7 @@ def staged_result(directory: str | Path) -> Iterator[Path]:
 
     A folder without a summary.json holds no result, and all its files remain.
 
-    Raises
-    ------
-    OutputError
-        The files cannot be written there.
+    Raises OutputError: the files cannot be written there.
     """
     known = holds_result(directory) or _was_interrupted(directory)
     with staged(directory, stale=SUMMARY_COMPANIONS if known else None) as folder:
@@ -169,10 +161,8 @@ def check_folder(directory: str | Path) -> None:
 def check_writable(directory: str | Path, *names: str) -> None:
     """Raise OutputError if files cannot be written into `directory`; leaves no trace.
 
-    Parameters
-    ----------
-    names : of the files; without one, summary.json and all files that may stand beside it. Those of another program
-        are not replaced.
+    `names`: of the files; without one, summary.json and all files that may stand beside it. Those of another program
+    are not replaced.
     """
     directory = Path(directory)
     check_folder(directory)

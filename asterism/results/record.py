@@ -96,9 +96,7 @@ class Record(Mapping[str, Any]):
     def table(self, names: Iterable[str] | None = None) -> dict[str, str]:
         """Rows of the table on the terminal: texts by label. Keys that the record lacks have no row.
 
-        Parameters
-        ----------
-        names : keys whose rows are wanted; by default those of `rows`.
+        `names`: keys whose rows are wanted; by default those of `rows`.
         """
         table: dict[str, str] = {}
         for name in self.rows if names is None else names:

@@ -198,10 +198,7 @@ def compare_shapes(
     gravity : (3,) its direction if the sheet has weight: then no free motion changes how the sheet hangs.
     mean : cell means of another comparison, which saves their preparation if it is on the same mesh.
 
-    Raises
-    ------
-    ValueError
-        If the other shape does not cover the reference's printed points.
+    Raises ValueError: if the other shape does not cover the reference's printed points.
 
     References
     ----------

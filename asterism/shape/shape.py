@@ -234,10 +234,7 @@ def blank_sheet(design: Design) -> Shape:
 
     The shape has no summary. The edges of its triangles have about the spacing of the stars.
 
-    Raises
-    ------
-    DesignError
-        The outline is not one of a sheet.
+    Raises DesignError: the outline is not one of a sheet.
 
     Examples
     --------

@@ -168,17 +168,8 @@ def upright_rotation(
     """Compute the rotation that turns the principal axes to x, y and z, with the plastic side up.
 
     If two moments are nearly equal (a dome seen from above, the section of a tube), their axes are undetermined. Then
-    the plastic side and the printed directions decide, so that equal shapes have equal pictures.
-
-    Parameters
-    ----------
-    printed, positions : (V, 2) and (V, 3) mm.
-    weights : (V,), adding up to 1.
-    plastic_side : (3,) mean direction of the normals, of any length.
-
-    Returns
-    -------
-    (3, 3), applied to column vectors.
+    the plastic side and the printed directions decide, so that equal shapes have equal pictures. The `weights` add up
+    to 1; the `plastic_side` is the mean direction of the normals, of any length. The rotation is for column vectors.
     """
     centred = positions - weights @ positions
     # principal axes of the second moments, the smallest first

@@ -326,7 +326,7 @@ class ExactForms:
 
     def _solved(self, stage: str, job: int, near: Shape | None) -> Shape:
         from asterism.exact.simulation import exact_shape
-        from asterism.verification.progress import ExactProgress
+        from asterism.verification.run import ExactProgress
 
         counted = ExactProgress(stage, ProgressSender(self._connection, job))
 

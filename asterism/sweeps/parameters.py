@@ -56,10 +56,7 @@ class SweepParameter:
     def from_text(cls, text: str) -> SweepParameter:
         """A parameter from the words of a command line.
 
-        Raises
-        ------
-        SweepError
-            The text has another form, or its range is empty.
+        Raises SweepError: the text has another form, or its range is empty.
 
         Examples
         --------
@@ -109,10 +106,7 @@ class SweepParameter:
 def with_whole_ranges(design: Design, parameters: Sequence[SweepParameter]) -> tuple[SweepParameter, ...]:
     """The parameters; ranges of entries that take whole numbers only are ranges of whole numbers.
 
-    Raises
-    ------
-    SweepError
-        Such a range begins or ends with a fraction.
+    Raises SweepError: such a range begins or ends with a fraction.
     """
     found = []
     for each in parameters:
@@ -137,10 +131,7 @@ def _is_count(design: Design, parameter: SweepParameter) -> bool:
 def check_parameters(design: Design, parameters: Sequence[SweepParameter]) -> None:
     """Refuse parameters that the design lacks, and values that an entry can never have.
 
-    Raises
-    ------
-    SweepError
-        The message names the parameter, the value and what is allowed.
+    Raises SweepError: the message names the parameter, the value and what is allowed.
     """
     paths = [parameter.path for parameter in parameters]
     for path in paths:
@@ -227,10 +218,8 @@ def _checked(path: str, values: Sequence[Any]) -> tuple[Any, ...]:
 def grid(parameters: Sequence[SweepParameter]) -> list[dict[str, Any]]:
     """All combinations, by path; the last parameter varies fastest.
 
-    Raises
-    ------
-    SweepError
-        A parameter is a range without a number of values, or there are more than `MAX_POINTS` combinations.
+    Raises SweepError: a parameter is a range without a number of values, or there are more than `MAX_POINTS`
+    combinations.
 
     Examples
     --------
@@ -257,10 +246,7 @@ def latin_hypercube(parameters: Sequence[SweepParameter], samples: int, seed: in
     Reference: McKay, Beckman and Conover, A comparison of three methods for selecting values of input variables in the
     analysis of output from a computer code, 1979.
 
-    Raises
-    ------
-    SweepError
-        The number of samples is out of range.
+    Raises SweepError: the number of samples is out of range.
     """
     if not 2 <= samples <= MAX_POINTS:
         raise SweepError(f"--samples {samples}: must be from 2 to {MAX_POINTS}")

@@ -235,10 +235,7 @@ def sweep_design(
 def check_model(design: Design, exact: bool) -> None:
     """Refuse previews of drawn lines that do not repeat, or that have stars beside them: no value would make one.
 
-    Raises
-    ------
-    SweepError
-        The message names exact shapes as the way.
+    Raises SweepError: the message names exact shapes as the way.
     """
     if exact or design.rods is None or (refused := without_law(design)) is None:
         return
@@ -250,10 +247,7 @@ def check_model(design: Design, exact: bool) -> None:
 def sweep_parameters(design: Design, vary: Vary) -> tuple[SweepParameter, ...]:
     """The parameters of a sweep, checked against the design.
 
-    Raises
-    ------
-    SweepError
-        As `sweep_design`.
+    Raises SweepError: as `sweep_design`.
     """
     if not vary:
         raise SweepError("a sweep needs a parameter, such as stars.thickness_mm=0.2:0.6:9")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from asterism.exact.warnings import off_branch
+from asterism.exact.simulation import off_branch
 from asterism.pattern.design.design import Design
 from asterism.results.records.exact import ExactRecord
 from asterism.results.records.verification import VerificationRecord

@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 import asterism
-from asterism.exact.simulation import exact_shape
-from asterism.exact.warnings import exact_warnings
+from asterism.exact.simulation import exact_shape, exact_warnings
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError

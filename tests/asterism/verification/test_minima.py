@@ -25,8 +25,7 @@ from asterism.verification.minima import (
     right_shape,
     same_branch,
 )
-from asterism.verification.progress import WHOLE, ExactProgress
-from asterism.verification.run import STAGES, verify
+from asterism.verification.run import STAGES, WHOLE, ExactProgress, verify
 
 
 def shape(energy: float, off: tuple[int, ...] = (), minimum: bool = True, **more: Any) -> Any:

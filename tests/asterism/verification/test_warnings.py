@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from asterism.equilibrium.arrays import Floats
-from asterism.exact.warnings import off_branch
+from asterism.exact.simulation import off_branch
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
 from asterism.results.records.exact import ExactRecord
