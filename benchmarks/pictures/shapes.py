@@ -20,6 +20,7 @@ from asterism.draw.picture import draw_shape, small_png
 from asterism.draw.render import drawn_size, render, scene, sheet_camera
 from asterism.exact.simulation import exact_shape
 from asterism.homogenize.errors import LawError
+from asterism.measure.compare.compare import surface_cut
 from asterism.pattern import gallery as designs
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
@@ -169,7 +170,8 @@ def contact() -> None:
         shape = exact_shape(Design.from_dict(data)).aligned()
         title = "with contact" if has_contact else "without contact"
         print(f"{title}: {shape.summary['self_intersections']} pairs of triangles through each other", flush=True)
-        cut = _section(shape)
+        cut = surface_cut(shape.positions, shape.triangles, 0, 0.0)[:, :, 1:]
+        cut -= (cut.min(axis=(0, 1)) + cut.max(axis=(0, 1))) / 2
         reach = 1.05 * float(np.abs(cut).max())
         axes.set(xlim=(-reach, reach), ylim=(-reach, reach), aspect="equal", title=title)
         axes.set_axis_off()
@@ -179,17 +181,6 @@ def contact() -> None:
     large = BytesIO()
     figure.savefig(large, format="png")
     write_file(PICTURES / "contact.png", small_png(Image.open(large)))
-
-
-def _section(shape: Shape) -> np.ndarray:
-    """(n, 2, 2) mm, pieces of the line where the sheet meets the plane x = 0, about their middle."""
-    corner = shape.positions[shape.triangles]
-    pieces = []
-    for triangle in corner[(corner[:, :, 0].min(axis=1) < 0.0) & (corner[:, :, 0].max(axis=1) > 0.0)]:
-        sides = [(triangle[a], triangle[b]) for a, b in ((0, 1), (1, 2), (2, 0))]
-        pieces.append([(p + p[0] / (p[0] - q[0]) * (q - p))[1:] for p, q in sides if p[0] * q[0] < 0.0])
-    lines = np.array([piece for piece in pieces if len(piece) == 2])
-    return lines - (lines.min(axis=(0, 1)) + lines.max(axis=(0, 1))) / 2
 
 
 def export(*names: str) -> None:

@@ -54,16 +54,6 @@ def test_new_lists_and_writes(here: Path, cli: Cli) -> None:
 
 
 @pytest.mark.slow
-def test_simulate_writes_results_and_a_table(folder: Path, cli: Cli) -> None:
-    result = cli(["simulate", "d.toml", "-o", "out"]).done
-    assert "stable" in result.out and "released" in result.err
-    files = sorted(file.name for file in (folder / "out").iterdir())
-    assert files == ["rods.vtu", "shape.obj", "shape.png", "shape.vtu", "summary.json"]
-    assert json.loads((folder / "out" / "summary.json").read_text())["is_minimum"]
-    assert "asks for" not in result.err
-
-
-@pytest.mark.slow
 @pytest.mark.usefixtures("blank_pictures")
 @pytest.mark.parametrize("name", ["simulate", "verify"])
 def test_a_quiet_command_prints_its_result_and_no_progress(name: str, folder: Path, cli: Cli) -> None:

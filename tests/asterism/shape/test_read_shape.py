@@ -152,34 +152,22 @@ def test_a_shape_made_by_hand_has_whole_triangles_of_its_vertices(shape: Shape) 
         replace(shape, positions=shape.positions[:-1])
 
 
-def test_the_sheet_comes_back_exactly(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+def test_other_programs_find_sheet_and_arms_exactly(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     shape = sheets.sheet(sheets.saddle)
     write_shape_vtu(shape, tmp_path / "shape.vtu")
-    assert capfd.readouterr() == ("", "")
-    mesh = meshio.read(tmp_path / "shape.vtu")
-    assert mesh.points.dtype == np.float64
-    assert np.array_equal(mesh.points, shape.positions)
-    assert np.array_equal(mesh.cells_dict["triangle"], shape.triangles)
-    assert np.array_equal(mesh.point_data["printed_mm"][:, :2], shape.printed)
-    assert np.array_equal(mesh.point_data["printed_mm"][:, 2], np.zeros(len(shape.printed)))
-    assert np.array_equal(mesh.point_data["star"], shape.star)
-    for name, values in shape.point_fields.items():
-        assert np.array_equal(mesh.point_data[name], values, equal_nan=True)
-    for name, values in shape.cell_fields.items():
-        assert np.array_equal(mesh.cell_data_dict[name]["triangle"], values)
-
-
-def test_the_arms_come_back_exactly(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    shape = sheets.sheet(sheets.dome)
     write_rods_vtu(shape, tmp_path / "rods.vtu")
     assert capfd.readouterr() == ("", "")
-    mesh = meshio.read(tmp_path / "rods.vtu")
-    lines = mesh.cells_dict["line"]
-    assert np.array_equal(mesh.points[lines], shape.positions[shape.rod_edges])
-    assert np.array_equal(mesh.point_data["printed_mm"][lines][..., :2], shape.printed[shape.rod_edges])
-    for name in ("arm", "star", "thickness_mm", "width_mm"):
-        assert np.array_equal(mesh.cell_data_dict[name]["line"], shape.rod_fields[name])
-    assert len(np.unique(lines)) == len(mesh.points)
+    whole, arms = np.arange(len(shape.printed)), np.unique(shape.rod_edges)
+    for kind, used, fields in (("triangle", whole, shape.cell_fields), ("line", arms, shape.rod_fields)):
+        mesh = meshio.read(tmp_path / ("shape.vtu" if kind == "triangle" else "rods.vtu"))
+        assert mesh.points.dtype == np.float64 and np.array_equal(mesh.points, shape.positions[used])
+        cells = shape.triangles if kind == "triangle" else shape.rod_edges
+        assert np.array_equal(used[mesh.cells_dict[kind]], cells)
+        assert np.array_equal(mesh.point_data["printed_mm"], np.pad(shape.printed[used], ((0, 0), (0, 1))))
+        assert np.array_equal(mesh.point_data["star"], shape.star[used])
+        assert all(np.array_equal(mesh.cell_data_dict[name][kind], values) for name, values in fields.items())
+        for name, values in shape.point_fields.items() if kind == "triangle" else ():
+            assert np.array_equal(mesh.point_data[name], values, equal_nan=True)
 
 
 def test_a_sheet_without_stars_is_written_too(tmp_path: Path) -> None:
