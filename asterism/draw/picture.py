@@ -201,9 +201,7 @@ def _room(view: View, size_px: tuple[int, int], plain: bool) -> tuple[Floats, Fl
 class Canvas:
     """A canvas of `width` x `height` pixels.
 
-    Attributes
-    ----------
-    image : the picture, RGB.
+    `image`: the picture, RGB.
     """
 
     def __init__(self, width: int, height: int) -> None:

@@ -93,9 +93,7 @@ class Work:
 class Component:
     """A component of Grasshopper.
 
-    Attributes
-    ----------
-    solve : from the values of the inputs, by their names, to those of the outputs, and warnings.
+    `solve`: from the values of the inputs, by their names, to those of the outputs, and warnings.
     """
 
     name: str

@@ -281,6 +281,8 @@ def design_facts(job: Job, summary: Mapping[str, Any], source: str) -> Facts:
     plastic = job.design.plastic
     kept = plastic.kappa_bar_per_mm
     bar = "by thickness" if isinstance(kept, ResidualCurvature) else f"{kept:g} /mm"
+    if accuracy := _rows(summary, "expected_rms_percent", "mesh_error_percent", "law"):
+        accuracy += ["Errors of the computation, not of the print,", "whose distance was not measured."]
     facts = {
         "Fabric": _fabric(job.design),
         "Plastic": [f"E1/E2 {plastic.modulus_ratio:g}, {plastic.rest_curvature}", f"kappa_bar {bar}"],
@@ -293,7 +295,7 @@ def design_facts(job: Job, summary: Mapping[str, Any], source: str) -> Facts:
             *([shape_in_words(summary)] if "is_minimum" in summary else []),
             *_hanging(job),
         ],
-        "Computation": _accuracy(summary),
+        "Computation": accuracy,
         "Print": _print(job),
     }
     return {head: lines for head, lines in facts.items() if lines}
@@ -376,13 +378,6 @@ def _hanging(job: Job) -> list[str]:
     doubt = job.hangs_doubt_mm
     below = f"hangs {job.hangs_mm:.1f} mm below its base"
     return [below] if doubt is None else [f"{below},", f"give or take {doubt:.1f} mm"]
-
-
-def _accuracy(summary: Mapping[str, Any]) -> list[str]:
-    lines = _rows(summary, "expected_rms_percent", "mesh_error_percent", "law")
-    if lines:
-        lines += ["Errors of the computation, not of the print,", "whose distance was not measured."]
-    return lines
 
 
 def _print(job: Job) -> list[str]:

@@ -148,9 +148,7 @@ def passing(pairs: int) -> str:
 class PlacedWarning(str):
     """The text of a warning, with the stars that it is about.
 
-    Attributes
-    ----------
-    stars : numbers of the stars.
+    `stars`: numbers of the stars.
     """
 
     stars: tuple[int, ...]

@@ -184,11 +184,9 @@ def _summary(path: Path, of: str) -> dict[str, Any]:
         raise DesignError(wrong, "must have the type that asterism writes", summary[wrong], file=path)
     if not isinstance(summary.get("design", {}), dict):
         raise DesignError("design", "must be a table of keys and values", summary["design"], file=path)
-    return _of_minimum(summary, of) if of.startswith("minimum-") else summary
-
-
-def _of_minimum(summary: dict[str, Any], of: str) -> dict[str, Any]:
-    """The summary of a further minimum: its entry in `minima`, and the keys that hold for all minima."""
+    if not of.startswith("minimum-"):
+        return summary
+    # of a further minimum its entry in `minima`, and the keys that hold for all minima
     minima = summary.get("minima")
     entries = [entry for entry in minima if isinstance(entry, dict)] if isinstance(minima, list) else []
     minimum = next((entry for entry in entries if entry.get("file") == of), {})
