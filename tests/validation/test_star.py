@@ -8,18 +8,13 @@ import pytest
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State
 from asterism.discrete.release.continuation import solve_on_mesh
-from asterism.pattern import gallery
-from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.meshing import mesh_layout
+from tests.asterism.previews.designs import edited
 
 
 def model(**sections: dict) -> DiscreteModel:
-    data = gallery.load("star").to_dict() | {"mesh": {"edge_mm": 2.0}}
-    data["fabric"] |= {"bending": "paper"}
-    for name, entries in sections.items():
-        data[name] = data[name] | entries
-    design = Design.from_dict(data)
+    design = edited("star", mesh={"edge_mm": 2.0}, fabric={"bending": "paper"}, **sections)
     plan = layout(design)
     return DiscreteModel(design, plan, mesh_layout(plan, design.mesh.edge_mm))
 

@@ -28,6 +28,7 @@ from asterism.pattern.design.spread import Spread
 from asterism.pattern.layout.build import layout
 from asterism.results.records.spread import VALUES, SpreadRecord
 from tests.asterism.commands import Cli
+from tests.asterism.previews.designs import edited
 
 # each value a little off: the response is linear
 NARROW = {
@@ -49,8 +50,7 @@ KNOWN = Spread(
 
 def star(intervals: dict[str, float], **sections: dict[str, Any]) -> Design:
     """A single star on a coarse mesh."""
-    data = gallery.load("star").to_dict() | {"mesh": {"edge_mm": 4.0}, "spread": intervals}
-    return Design.from_dict(data | {name: data.get(name, {}) | values for name, values in sections.items()})
+    return edited("star", mesh={"edge_mm": 4.0}, spread=intervals, **sections)
 
 
 def ranged(design: Design) -> tuple[asterism.Shape, SpreadRecord]:
