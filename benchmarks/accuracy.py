@@ -30,7 +30,6 @@ HEADER = [
     "designs", "stars", "preview, %", "estimated, %", "height, % of diameter", "estimated, %", "same form",
     "exact vertices", "mesh error stated, %", "distance to four times the vertices, %",
 ]  # fmt: skip
-SHARES = (0.5, 0.9, 1.0)
 
 Row = dict[str, Any]
 
@@ -112,7 +111,7 @@ def line(rows: Sequence[Row], name: str) -> list[str]:
 def spread(rows: Sequence[Row], key: str, form: str = ".2f") -> str:
     """Median, nine in ten, largest."""
     known = [r[key] for r in rows if r[key] is not None]
-    return ", ".join(format(float(np.quantile(known, share)), form) for share in SHARES) if known else "-"
+    return ", ".join(format(float(np.quantile(known, share)), form) for share in (0.5, 0.9, 1.0)) if known else "-"
 
 
 def covered(rows: Sequence[Row], error: str, expected: str) -> str:

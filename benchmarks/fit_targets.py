@@ -48,10 +48,9 @@ HEADER = [
     "fit by preview", "preview as written", "exact before corrections", "exact, unrounded", "exact, as written",
     "largest", "other minimum", "certified", "CPU s",
 ]  # fmt: skip
-RINGS = 24  # of triangles, of a round target
 
 
-def round_mesh(rings: int = RINGS) -> tuple[Floats, Ints]:
+def round_mesh(rings: int = 24) -> tuple[Floats, Ints]:
     """(V, 2) points of the unit disk in rings, and triangles."""
     points = [np.zeros((1, 2))]
     for ring in range(1, rings + 1):

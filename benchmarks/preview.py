@@ -24,7 +24,6 @@ from asterism.previews.session import Preview
 from benchmarks.report import markdown, write_report
 
 DESIGNS = ("tube", "dome", "u-shape")
-REPEATS = 5
 # a size of all stars, and what it is multiplied by: the same size for all stars only
 EDITS = [(size, share) for size in ("thickness_mm", "width_mm") for share in (0.98, 0.99, 1.01, 1.02)]
 COLD = "import time, asterism; asterism.preview(asterism.new({name!r})); print(time.process_time())"
@@ -39,7 +38,7 @@ def timed(work: Callable[[], Any]) -> float:
     """Median of the processor's milliseconds, after one run that does not count."""
     work()
     times = []
-    for _ in range(REPEATS):
+    for _ in range(5):
         used = time.process_time()
         work()
         times.append(1e3 * (time.process_time() - used))

@@ -33,7 +33,6 @@ DESIGNS = ("dome", "u-shape")
 BRUSHES = 40
 RESTARTS = 12
 WARM_UP = 5
-BRUSH_MM = 25.0  # radius; the page begins with 20 mm on the dome
 COLUMNS = [
     "design", "edit", "count", "linear ms", "95 %", "processor ms", "95 %", "equilibrium ms", "95 %", "processor ms",
     "95 %",
@@ -59,7 +58,8 @@ def edits(name: str, kind: str) -> Iterator[dict[str, Any]]:
     while True:
         way = 0.5 + 0.5 * float(rng.random())
         if kind == "brush":
-            yield {"sites": plan.sheet_sites, "sizes_mm": brushed(plan, rng, BRUSH_MM)}
+            # radius; the page begins with 20 mm on the dome
+            yield {"sites": plan.sheet_sites, "sizes_mm": brushed(plan, rng, 25.0)}
         elif kind == "all stars":
             yield {"sites": plan.sheet_sites, "sizes_mm": brushed(plan, rng, 2.0 * plan.diameter_mm)}
         elif kind == "corner":

@@ -10,7 +10,6 @@ from matplotlib.figure import Figure
 
 from asterism.draw.style import INK
 
-USUAL_FAMILY = "DejaVu Sans"
 # common fonts with the letters of other scripts, those of Linux, Windows and macOS; whichever are installed
 OTHER_FAMILIES = (
     "Noto Sans CJK SC", "Noto Sans CJK JP", "Noto Sans CJK KR", "Source Han Sans SC", "WenQuanYi Zen Hei",
@@ -23,7 +22,7 @@ OTHER_FAMILIES = (
 def families() -> list[str]:
     """The usual family, and the installed ones with further letters."""
     installed = {font.name for font in font_manager.fontManager.ttflist}
-    return [USUAL_FAMILY, *(name for name in OTHER_FAMILIES if name in installed)]
+    return ["DejaVu Sans", *(name for name in OTHER_FAMILIES if name in installed)]
 
 
 def printable(text: str) -> str:

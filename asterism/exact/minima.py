@@ -13,7 +13,6 @@ from asterism.results.records.exact import MinimumRecord, StartsRecord
 
 # values of the key `result_is`: the reason why this minimum is the result
 FROM_DEFAULT_START = "the default start's"
-FROM_GIVEN_SHAPE = "from a shape that was given"
 BY_ENERGY = "lowest energy"
 BY_ENERGY_ON_BRANCH = "lowest energy of those whose stars are all on their branch"
 
@@ -24,7 +23,7 @@ def one_minimum(model: DiscreteModel, equilibrium: Equilibrium, near: bool = Fal
     entry = MinimumRecord(energy_n_mm=equilibrium.energy, stars_up=equilibrium.stars_up, roll_axis_deg=axis, starts=1)
     return StartsRecord(
         starts=1,
-        result_is=FROM_GIVEN_SHAPE if near else FROM_DEFAULT_START,
+        result_is="from a shape that was given" if near else FROM_DEFAULT_START,
         minima_seen=1,
         minima=[entry],
         next_minimum_percent=None,

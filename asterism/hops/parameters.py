@@ -23,7 +23,6 @@ from asterism.pattern.drawing.rhino import RHINO_NEEDED, RHINO_UNITS_MM, curve_p
 
 # `Length` and `Place` are numbers and points in the unit of the document
 Kind = Literal["Number", "Length", "Integer", "Boolean", "Text", "Place", "Curve", "Mesh"]
-PARAMETER_TYPES = {"Length": "Number", "Place": "Point"}
 # .NET types of values; numbers are System.Double
 _NAMES = {"Place": "Rhino.Geometry.Point3d", "Curve": "Rhino.Geometry.PolylineCurve", "Mesh": "Rhino.Geometry.Mesh"}
 _NAMES |= {"Integer": "System.Int32", "Text": "System.String"}
@@ -63,7 +62,7 @@ class Parameter:
 
     def as_output(self) -> dict[str, Any]:
         """The description of an output."""
-        kind = PARAMETER_TYPES.get(self.kind, self.kind)
+        kind = {"Length": "Number", "Place": "Point"}.get(self.kind, self.kind)
         return {"Name": self.name, "Nickname": self.name, "Description": self.description, "ParamType": kind}
 
     def as_input(self) -> dict[str, Any]:

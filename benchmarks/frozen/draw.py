@@ -37,7 +37,6 @@ COUNTS = {FREE: 16, SUPPORTED: 16, CANOPY: 10, RIBBON: 6, WEIGHT: 6, ARMS: 6}
 STARS = (12, 130)  # fewest and most
 # fewest and most stars that the area of an outline is drawn for
 AIMED_STARS = {FREE: (14, 80), SUPPORTED: (14, 80), CANOPY: (40, 125), WEIGHT: (14, 60), ARMS: (14, 40)}
-CELL_MM2 = DEFAULT_SPACING_MM**2 * np.sqrt(3.0) / 2.0
 # lattice, arms, turn in degrees
 OTHER_STARS = [("square", 4, 0), ("triangular", 5, 0), ("square", 6, 0), ("triangular", 4, 30)]
 
@@ -146,7 +145,7 @@ def _outline(rng: np.random.Generator, number: int, kind: str) -> Floats:
 
 def _scaled(rng: np.random.Generator, outline: Floats, kind: str) -> Floats:
     fewest, most = AIMED_STARS[kind]
-    area = CELL_MM2 * fewest * (most / fewest) ** rng.uniform()
+    area = DEFAULT_SPACING_MM**2 * np.sqrt(3.0) / 2.0 * fewest * (most / fewest) ** rng.uniform()
     return np.asarray(outline * np.sqrt(area / polygon_area(outline)))
 
 

@@ -29,7 +29,6 @@ NAMES_OF_LAYERS = (
     "=1+1",
 )
 SVG_UNITS = (("mm", 1.0), ("cm", 10.0), ("in", 25.4), (" MM", 1.0))
-DXF_UNITS = {4: 1.0, 5: 10.0, 1: 25.4}
 # layer, and the ends of a line in mm
 Found = list[tuple[str, np.ndarray]]
 
@@ -45,7 +44,7 @@ def difference(path: Path) -> str:
         expected = svg_lines(inner, ids, np.eye(3), (50.0, 50.0), ("", False), "visible")
     else:
         drawing = ezdxf.readfile(path)
-        scale = DXF_UNITS[drawing.header["$INSUNITS"]]
+        scale = {4: 1.0, 5: 10.0, 1: 25.4}[drawing.header["$INSUNITS"]]
         expected = dxf_lines(drawing, drawing.modelspace(), np.eye(3), "0")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")

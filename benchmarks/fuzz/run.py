@@ -21,14 +21,9 @@ from asterism.equilibrium.errors import Error
 from benchmarks.fuzz.cases import DESIGNS, Case, make_case, make_kit
 from benchmarks.fuzz.nested import difference
 
-# in one case of this many, pictures are drawn, layouts have texts and sweeps have processes of their own; the others
-# do without, since a picture takes half a second, the fonts of a layout another, and a new process seconds
-COMPLETE_EVERY = 10
-UNFORESEEN = 99
 MAX_SECONDS = 60  # processor time of a case
 MAX_GROWTH = 1.25  # diameter of a sheet over that of its print, or of its supports if they pull it wider
 DONE, NO_ANSWER, WRONG_INPUT = 0, 1, 2  # exit statuses of commands
-STAGING = ".asterism-"  # in names of files that no command may leave behind
 
 
 @dataclass(frozen=True)
@@ -97,7 +92,7 @@ def _command(case: Case, folder: Path, errors: Path) -> None:
     """Run the command line of a case, and end this process."""
     import resource
 
-    status = UNFORESEEN
+    status = 99  # unforeseen
     try:
         os.chdir(folder)
         for name, descriptor in ((os.devnull, 0), (os.devnull, 1), (str(errors), 2)):
@@ -105,7 +100,9 @@ def _command(case: Case, folder: Path, errors: Path) -> None:
             os.dup2(os.open(name, flags), descriptor)
         sys.stdout, sys.stderr = (os.fdopen(n, "w", errors="backslashreplace", closefd=False) for n in (1, 2))
         resource.setrlimit(resource.RLIMIT_CPU, (MAX_SECONDS, MAX_SECONDS + 5))
-        if case.number % COMPLETE_EVERY:
+        # in one case of ten, pictures are drawn, layouts have texts and sweeps have processes of their own; the others do
+        # without, since a picture takes half a second, the fonts of a layout another, and a new process seconds
+        if case.number % 10:
             _do_less()
         sys.argv = ["asterism", *case.words]
         from asterism.cli.main import main
@@ -167,7 +164,7 @@ def failures(case: Case, status: int, errors: str, folder: Path, before: set[str
         yield f"exit status 2 without a line that names the mistake: {lines[-1:]}"
     if status == WRONG_INPUT and new:
         yield f"exit status 2, and left {sorted(new)[:3]}"
-    if left := [name for name in new if STAGING in name or Path(name).name.startswith(".")]:
+    if left := [name for name in new if ".asterism-" in name or Path(name).name.startswith(".")]:
         yield f"left {sorted(left)[:3]}"
     if status == NO_ANSWER and not any(line.startswith("asterism: ") for line in lines):
         yield "exit status 1 without a reason"

@@ -43,7 +43,6 @@ GALLERY_HEADER = [
 ]  # fmt: skip
 # twice the size at which the studio's first page shows them, for fine screens
 START_PX = np.array([440, 300])
-PATTERNS_PAGE = ROOT / "docs" / "how-to" / "patterns.md"
 FORMS_DESIGN = "fig8-h-decreasing"
 # name of a picture: design, page of its layout.pdf
 EXPORTED = {"sheet-layout": ("u-shape", 0), "sheet-needles": ("roof", 2)}
@@ -118,7 +117,7 @@ def _small(shape: Shape) -> bytes:
 
 def pages(*names: str) -> None:
     """NAME.png of the whole designs of docs/how-to/patterns.md that it shows, and branches-1.png and branches-2.png."""
-    text = PATTERNS_PAGE.read_text(encoding="utf-8")
+    text = (ROOT / "docs" / "how-to" / "patterns.md").read_text(encoding="utf-8")
     tables = map(tomllib.loads, re.findall(r"```toml\n(name = .*?)```", text, re.DOTALL))
     shown = {table["name"]: table for table in tables if f"pictures/{table['name']}.png" in text}
     for name in names or (*shown, "branches"):

@@ -23,7 +23,6 @@ VERIFY_S = 600.0
 # the tutorial's sheet
 WIDTH_MM, HEIGHT_MM, SPREAD, LIFT_MM, LONG_MM = 120, 100, 0.75, 30, 10
 TUTORIAL_STROKE = ((-26.0, -4.0), (0.0, 4.0), (26.0, -2.0))
-IS_EXACT = "studio.badge.kind === 'exact'"
 
 
 @contextmanager
@@ -67,7 +66,7 @@ def studio(*names: str) -> None:
 def _dome(page: StudioPage) -> None:
     page.open("gallery-dome")
     page.summarised()
-    page.wait(IS_EXACT)
+    page.wait("studio.badge.kind === 'exact'")
 
 
 def _brush(page: StudioPage) -> None:

@@ -244,12 +244,9 @@ def test_an_obstacle_is_named_before_anything_is_computed(
     assert sorted(folder.rglob("*")) == before
 
 
-LARGE = SMALL.replace("rings = 0", "rings = 8").replace("4.0", "0.5")
-
-
 @pytest.mark.parametrize("words", [["simulate", "d.toml"], ["export", "d.toml", "--simulate"]])
 def test_a_large_computation_needs_consent(words: list[str], here: Path, cli: Cli) -> None:
-    (here / "d.toml").write_text(LARGE)
+    (here / "d.toml").write_text(SMALL.replace("rings = 0", "rings = 8").replace("4.0", "0.5"))
     refused = cli(words)
     assert refused.status == 2
     assert "takes about 2829" in refused.line and "use --yes to compute it, or a larger mesh.edge_mm" in refused.line
