@@ -19,7 +19,7 @@ from asterism.shape.cell_mean import CellMean
 from asterism.shape.comparison import Comparison, compare_shapes
 from asterism.shape.shape import Shape
 from asterism.shape.vtu import read_shape
-from asterism.verification.minima import right_shape
+from asterism.verification.verification import right_shape
 
 NEAR, RELEASED, FINE = "near", "released", "fine"
 

@@ -78,7 +78,6 @@ def compare_designs(
     from asterism.exact.cost import exact_cost
     from asterism.laws.replace_material import read_design
     from asterism.reports.compare_designs import MAX_COMPARED_DESIGNS
-    from asterism.results.words import table_lines
 
     if not 2 <= len(designs) <= MAX_COMPARED_DESIGNS:
         raise Mistake(f"must be 2 to {MAX_COMPARED_DESIGNS} design files, not {len(designs)}")
@@ -100,9 +99,9 @@ def compare_designs(
             law=own_law,
             say=run.say,
         )
-    run.lines(table_lines({"": "  ".join(f"{each.name:>{CELL_WIDTH}}" for each in written.designs)}, LABEL_WIDTH))
+    run.table({"": "  ".join(f"{each.name:>{CELL_WIDTH}}" for each in written.designs)}, LABEL_WIDTH)
     rows = {row.label: "  ".join(f"{text:>{CELL_WIDTH}}" for text in row.texts) for row in written.numbers}
-    run.lines(table_lines(rows, LABEL_WIDTH))
+    run.table(rows, LABEL_WIDTH)
     count = len(written.differences)
     run.lines([f"{path}: {count} {'entry differs' if count == 1 else 'entries differ'}"])
     run.warn(*(f"{each.name}: {each.problem}" for each in written.designs if each.problem))

@@ -24,9 +24,8 @@ from asterism.process.listeners import Say, ignore_line
 from asterism.process.version import __version__
 from asterism.results.records.fit import FitRecord, TargetDistanceRecord
 from asterism.shape.shape import Shape
-from asterism.verification.minima import MAX_FORM_DISTANCE_PERCENT
 from asterism.verification.run import verify
-from asterism.verification.verification import RELEASE, Verification
+from asterism.verification.verification import MAX_FORM_DISTANCE_PERCENT, RELEASE, Verification
 
 
 def fit(

@@ -307,7 +307,7 @@ class ExactForms:
     def _released_from_print(self, job: int) -> tuple[Released, Shape | None]:
         from asterism.discrete.release.forms import SAME_FORM_PERCENT
         from asterism.pattern.layout.symmetries import symmetries
-        from asterism.verification.minima import gap, same_minimum
+        from asterism.verification.verification import gap, same_minimum
 
         exact = self._exact
         try:

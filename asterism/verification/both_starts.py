@@ -20,8 +20,7 @@ from asterism.previews.session import preview
 from asterism.process.listeners import Say, ignore_line
 from asterism.results.records.exact import MinimumRecord, StartsRecord
 from asterism.shape.shape import Shape
-from asterism.verification.minima import right_shape, same_minimum
-from asterism.verification.verification import PREVIEW, RELEASE, two_minima_warnings
+from asterism.verification.verification import PREVIEW, RELEASE, right_shape, same_minimum, two_minima_warnings
 
 # default number of starts of `simulate`
 BOTH_STARTS = 2

@@ -25,8 +25,14 @@ from asterism.results.records.exact import ExactRecord
 from asterism.results.records.verification import VerificationRecord, VerifiedStartRecord
 from asterism.shape.comparison import Comparison, compare_shapes
 from asterism.shape.shape import Shape
-from asterism.verification.minima import same_branch, same_minimum
-from asterism.verification.verification import PREVIEW, RELEASE, Verification, verification_warnings
+from asterism.verification.verification import (
+    PREVIEW,
+    RELEASE,
+    Verification,
+    same_branch,
+    same_minimum,
+    verification_warnings,
+)
 
 STAGES = ("preview", "exact model from the flat print", "exact model from the preview", "comparison")
 COPIED_KEYS = ("energy_n_mm", "is_minimum", "stars_up", "iterations", "factorisations", "joined_at_vertices")

@@ -100,8 +100,8 @@ def _command(case: Case, folder: Path, errors: Path) -> None:
             os.dup2(os.open(name, flags), descriptor)
         sys.stdout, sys.stderr = (os.fdopen(n, "w", errors="backslashreplace", closefd=False) for n in (1, 2))
         resource.setrlimit(resource.RLIMIT_CPU, (MAX_SECONDS, MAX_SECONDS + 5))
-        # in one case of ten, pictures are drawn, layouts have texts and sweeps have processes of their own; the others do
-        # without, since a picture takes half a second, the fonts of a layout another, and a new process seconds
+        # in one case of ten, pictures are drawn, layouts have texts and sweeps have processes of their own; the others
+        # do without, since a picture takes half a second, the fonts of a layout another, and a new process seconds
         if case.number % 10:
             _do_less()
         sys.argv = ["asterism", *case.words]

@@ -18,7 +18,7 @@ from asterism.pattern.layout.symmetries import symmetries
 from asterism.shape.cell_mean import CellMean
 from asterism.shape.comparison import Comparison, compare_shapes, image
 from asterism.shape.surface_fields import surface_triangle_areas
-from asterism.verification.minima import alike
+from asterism.verification.verification import alike
 from tests.asterism.verification.printed import design, lumpy, rolled, shape
 
 UNIFORM = design()

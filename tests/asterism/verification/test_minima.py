@@ -15,7 +15,8 @@ from asterism.pattern.geometry.planar import inside
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
 from asterism.reports.plots import profile_cut
-from asterism.verification.minima import (
+from asterism.verification.run import STAGES, WHOLE, ExactProgress, verify
+from asterism.verification.verification import (
     MAX_FORM_DISTANCE_PERCENT,
     MAX_LIKE_AXIS_DEG,
     MAX_LIKE_DISTANCE_PERCENT,
@@ -25,7 +26,6 @@ from asterism.verification.minima import (
     right_shape,
     same_branch,
 )
-from asterism.verification.run import STAGES, WHOLE, ExactProgress, verify
 
 
 def shape(energy: float, off: tuple[int, ...] = (), minimum: bool = True, **more: Any) -> Any:
