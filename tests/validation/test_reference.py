@@ -33,6 +33,7 @@ from asterism.pattern.design.materials import Fabric, rest_curvature
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.mesh import Mesh
 from tests.discrete.plain import plain_energies, plain_gradients, plain_hessians
+from tests.discrete.test_fabric import counterclockwise
 
 FOLDER = Path(__file__).parent.parent / "data" / "reference"
 SPACING = 10.0 * np.sqrt(3.0)
@@ -44,19 +45,10 @@ def load(name: str) -> dict[str, Array]:
         return dict(file)
 
 
-def counterclockwise(points: Array, triangles: Array) -> Array:
-    """Triangles (T, 3) of the flat sheet, turned around where they are clockwise."""
-    e1, e2 = (points[triangles[:, i]] - points[triangles[:, 0]] for i in (1, 2))
-    out = triangles.astype(np.int64)
-    clockwise = e1[:, 0] * e2[:, 1] - e1[:, 1] * e2[:, 0] < 0.0
-    out[clockwise] = out[clockwise][:, ::-1]
-    return out
-
-
 def fabric(data: dict[str, Array]) -> dict[str, Elements]:
     """Membrane and hinges as the model has them."""
     points = data["vertices_flat"][:, :2]
-    triangles = counterclockwise(points, data["triangles"])
+    triangles = counterclockwise(points, data["triangles"].astype(np.int64))
     sheet = Fabric(thickness_mm=float(data["h2"]), modulus_mpa=float(data["E2"]), poisson=float(data["nu"]))
     hinges = interior_edges(triangles)
     return {
@@ -166,7 +158,7 @@ def model(data: dict[str, Array]) -> DiscreteModel:
         lattice_vectors=SPACING * np.array([[np.sqrt(0.75), 0.5], [0.0, 1.0]]),
         lattice_origin=np.zeros(2),
     )
-    triangles = counterclockwise(points, data["triangles"])
+    triangles = counterclockwise(points, data["triangles"].astype(np.int64))
     mesh = Mesh(points, triangles, rod_paths, centres, data["boundary"], (), "delaunay")
     return DiscreteModel(design(), layout, mesh)
 

@@ -5,7 +5,6 @@
 
 from __future__ import annotations
 
-import os
 import shutil
 import sys
 from pathlib import Path
@@ -18,11 +17,6 @@ def browser() -> str | None:
     """The program of a Chromium, Chrome or Edge; None if there is none."""
     found = next((path for name in NAMES if (path := shutil.which(name))), None)
     return found or (str(MACOS) if MACOS.exists() else None)
-
-
-def lacks_browser() -> bool:
-    """Whether tests in a browser are left out: there is none, and the run does not promise one."""
-    return browser() is None and os.environ.get("ASTERISM_NEEDS_BROWSER") != "1"
 
 
 if __name__ == "__main__":
