@@ -59,6 +59,8 @@ class System:
         # (3,) mm, position at which the potential of the dead load is zero; the origin by default
         self.load_datum = np.zeros(3)
         self.free = np.flatnonzero(~held)  # indices of the dofs that move
+        # a unit cell is initialised again with other parts
+        vars(self).pop("pattern", None)
 
     @cached_property
     def pattern(self) -> SparsePattern:
