@@ -70,10 +70,8 @@ class Solved:
 
     def distance(self, shape: Shape, exact: Shape | None = None) -> Comparison:
         """A shape with an exact one, by default the one that counts."""
-        plan = self._plan
-        if exact is not None:
-            return compare_shapes(exact, shape, plan, self._symmetries, self.design.gravity.pull)
-        return compare_shapes(self.right, shape, plan, self._symmetries, self.design.gravity.pull, mean=self._mean)
+        pull = self.design.gravity.pull
+        return compare_shapes(exact or self.right, shape, self._plan, self._symmetries, pull, self._mean)
 
     @cached_property
     def _plan(self) -> Layout:

@@ -13,7 +13,6 @@ from asterism.cli.options import (
     DaskAddress,
     MaterialFile,
     Processes,
-    check_ending,
     check_workers,
     output_option,
 )
@@ -32,7 +31,7 @@ def new(
 ) -> None:
     """Write a template, a design of the paper's figures, or a drawn pattern, to a file that you can change."""
     from asterism.pattern import gallery
-    from asterism.results.files import write_file
+    from asterism.results.files import check_file, write_file
 
     lists = {
         "templates": gallery.template_names(),
@@ -48,7 +47,7 @@ def new(
     if name not in known:
         raise Mistake(f"NAME: {name!r} is not in the gallery; there are {', '.join(known)}")
     path = output or Path(f"{name}.toml")
-    check_ending(path, ".toml")
+    check_file(path, ".toml")
     content = gallery.path(name).read_bytes()
     if path.exists() and not (path.is_file() and path.read_bytes() == content):
         raise Mistake(f"--output: {str(path)!r} exists and is kept; choose another name")
@@ -142,9 +141,10 @@ def calibrate(
     from asterism.laws.design_law import is_design, law_output_path, plan_from_file
     from asterism.laws.show_law import law_lines
     from asterism.pattern.design.errors import DesignError
+    from asterism.results.files import check_file
 
     path = law_output_path(file, output, material)
-    check_ending(path, ".npz")
+    check_file(path, ".npz")
     check_workers(jobs, dask)
     plan = plan_from_file(file, material, run.warn)
     line = " ".join(["asterism calibrate", *([file.name] if file else [])])

@@ -84,12 +84,6 @@ def group(help: str, *commands: Callable[..., int]) -> typer.Typer:
     return app
 
 
-def check_ending(path: Path, ending: str) -> None:
-    """Refuse a file of another kind as --output."""
-    if path.suffix != ending:
-        raise Mistake(f"--output: {str(path)!r} must end with {ending}")
-
-
 def results_folder(design: Path, output: Path | None, default: Path, *names: str) -> Path:
     """The folder given by the user, or the default one, for files of these names (or summary.json and its like).
 

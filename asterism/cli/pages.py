@@ -38,11 +38,8 @@ def report(
 
     plan = read_design(design, material, run.warn)  # before slower imports: many mistakes are here
 
-    from asterism.homogenize.errors import LawError
     from asterism.laws.design_law import law_from_file
 
-    if law and results:
-        raise LawError("--law: is for a new preview, not with --results")
     path = output or design.with_name(f"{design.stem}-report.pdf")
     written = asterism.report(
         plan,

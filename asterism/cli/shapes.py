@@ -21,7 +21,6 @@ from asterism.cli.options import (
     MaterialFile,
     Processes,
     ToleranceOption,
-    check_ending,
     check_workers,
     output_option,
     results_folder,
@@ -310,12 +309,11 @@ def fit(
     from asterism.homogenize.law.motif_law import MotifLaw
     from asterism.pattern.design.files import table_text
     from asterism.print.printer import load_printer
-    from asterism.results.files import check_writable, write_file
+    from asterism.results.files import check_file, check_writable, write_file
 
     file = output or target.with_suffix(".toml")
-    check_ending(file, ".toml")
     directory = file.with_name(f"{file.stem}-fit")
-    check_writable(file.parent, file.name)
+    check_file(file, ".toml")
     check_writable(directory)
     surface = asterism.load_target(target, unit, size_mm, side, heights_mm, extent_mm)
     run.warn(*surface.notes)

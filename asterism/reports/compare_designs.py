@@ -22,7 +22,7 @@ from asterism.print.job import Job, prepare
 from asterism.print.printer import PlasticProfile, Printer, load_plastic, load_printer
 from asterism.process.listeners import Say, ignore_line
 from asterism.reports.html import design_rows, figures, html_page, html_table, warnings_box
-from asterism.results.files import OutputError, check_writable, write_file
+from asterism.results.files import check_file, write_file
 from asterism.results.words import box_in_words
 from asterism.shape.comparison import compare_shapes
 from asterism.shape.shape import Shape
@@ -144,9 +144,7 @@ def compare_designs(
     for design in designs:
         check_type(design, Design, "load_design reads one from a file")
     path = Path(path)
-    if path.suffix.lower() != ".html":
-        raise OutputError(f"--output: {str(path)!r} must end with .html")
-    check_writable(path.parent, path.name)
+    check_file(path, ".html")
     machine = load_printer(printer)
     profile = load_plastic(plastic)
     headings = _headings(names or [design.name for design in designs])

@@ -31,7 +31,7 @@ from asterism.print.job import Job, prepare
 from asterism.print.printer import PlasticProfile, Printer, load_plastic, load_printer
 from asterism.print.sheets import areas
 from asterism.process.listeners import Say, ignore_line
-from asterism.results.files import OutputError, check_writable, staged
+from asterism.results.files import check_file, staged
 from asterism.results.record import Record
 from asterism.results.words import VISIBLE_SAG_MM, shape_in_words
 from asterism.shape.shape import Shape
@@ -90,9 +90,7 @@ def report(
     if law is not None and results is not None:
         raise LawError("--law: is for a new preview, not with --results")
     path = Path(path)
-    if path.suffix.lower() != ".pdf":
-        raise OutputError(f"--output: {str(path)!r} must end with .pdf")
-    check_writable(path.parent, path.name)
+    check_file(path, ".pdf")
     machine = load_printer(printer)
     profile = load_plastic(plastic)
     # before the preview: this finds most mistakes

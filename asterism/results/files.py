@@ -175,6 +175,13 @@ def check_writable(directory: str | Path, *names: str) -> None:
         raise OutputError(f"{directory / there[0]} was not written by asterism; choose another folder with -o")
 
 
+def check_file(path: Path, ending: str) -> None:
+    """Raise OutputError if a file has another ending or cannot be written; leaves no trace."""
+    if path.suffix.lower() != ending:
+        raise OutputError(f"--output: {str(path)!r} must end with {ending}")
+    check_writable(path.parent, path.name)
+
+
 def _is_ours(directory: Path) -> bool:
     """Whether a folder holds a result or an export: summaries have the key `version` or, for laws, `digest`."""
     if not holds_result(directory):
