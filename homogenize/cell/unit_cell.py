@@ -156,7 +156,6 @@ class UnitCell(System):
         else:
             held[3 * ANCHOR : 3 * ANCHOR + 2] = True
             held[3 * images.n_base : 3 * rows] = [False, True, True] * 2
-        self.__dict__.pop("pattern", None)  # that of the other kind of images
         super().__init__(parts, rows, self.model.edges, held, joint_vertices=self._base_joints)
         self._known[flat] = (held, self.free, self.pattern)
 
