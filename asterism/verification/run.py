@@ -21,8 +21,9 @@ from asterism.process.compiling import clock_without_compiling
 from asterism.process.listeners import Say, ignore_line
 from asterism.process.version import __version__
 from asterism.results.files import VERIFICATION_MODEL
+from asterism.results.record import keys_of
 from asterism.results.records.exact import ExactRecord
-from asterism.results.records.verification import VerificationRecord, VerifiedStartRecord
+from asterism.results.records.verification import DifferenceRecord, VerificationRecord, VerifiedStartRecord
 from asterism.shape.comparison import Comparison, compare_shapes
 from asterism.shape.shape import Shape
 from asterism.verification.verification import (
@@ -35,7 +36,6 @@ from asterism.verification.verification import (
 )
 
 STAGES = ("preview", "exact model from the flat print", "exact model from the preview", "comparison")
-COPIED_KEYS = ("energy_n_mm", "is_minimum", "stars_up", "iterations", "factorisations", "joined_at_vertices")
 
 StageReport = Callable[[str, int, int], None]
 # number of steps of a stage
@@ -171,6 +171,7 @@ def _summary(
     with_other = verification.comparisons[other].record if verification.exact[other].summary["is_minimum"] else None
     form = same_branch(verification.comparison.record, with_other, between.rms_percent) if exact.is_minimum else None
     preview = verification.preview.summary
+    of_start = keys_of(VerifiedStartRecord).keys() - keys_of(DifferenceRecord).keys()
     return VerificationRecord(
         model=VERIFICATION_MODEL,
         **vars(verification.comparison.record),
@@ -187,7 +188,7 @@ def _summary(
         starts={
             name: VerifiedStartRecord(
                 **vars(verification.comparisons[name].record),
-                **{key: shape.summary[key] for key in COPIED_KEYS if key in shape.summary},
+                **{key: shape.summary[key] for key in of_start if key in shape.summary},
             )
             for name, shape in verification.exact.items()
         },
