@@ -6,7 +6,6 @@ The bond between plastic and fabric is among its fields: the line force with whi
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
@@ -31,8 +30,15 @@ from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.free_motions import check_weight_is_supported
 from asterism.pattern.layout.layout import Layout
 from asterism.process.listeners import Say, ignore_line
-from asterism.results.records.exact import BondRecord, ContactRecord, ExactRecord, LevelRecord, PathStepRecord
-from asterism.results.words import passing, star_numbers
+from asterism.results.records.exact import (
+    BondRecord,
+    ContactRecord,
+    ExactRecord,
+    LevelRecord,
+    PathStepRecord,
+    off_branch,
+)
+from asterism.results.words import passing
 from asterism.shape.design_warnings import pin_warnings, site_warnings, sizing_warnings
 from asterism.shape.measures import shape_numbers
 from asterism.shape.self_intersections import self_intersections
@@ -303,10 +309,3 @@ def exact_warnings(record: ExactRecord, design: Design, layout: Layout) -> list[
         )
     of_design = [*site_warnings(layout), *sizing_warnings(design, layout), *pin_warnings(layout, design.gravity.on)]
     return [*lines, *off_branch(record), *of_design]
-
-
-def off_branch(record: ExactRecord) -> Iterator[str]:
-    """Yield a line if an exact shape has such stars."""
-    if off := record.stars_off_branch:
-        stars = f"{len(off)} of {record.stars_total} stars of the exact shape {'is' if len(off) == 1 else 'are'}"
-        yield f"{stars} not on the side that the design asks for: {star_numbers(off)}"

@@ -10,11 +10,10 @@ from typing import Any
 import numpy as np
 
 from asterism.discrete.release.forms import SAME_FORM_PERCENT
-from asterism.exact.simulation import off_branch
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.symmetries import Symmetry
-from asterism.results.records.exact import ExactRecord
+from asterism.results.records.exact import ExactRecord, off_branch
 from asterism.results.records.verification import DifferenceRecord, VerificationRecord
 from asterism.results.words import small_percent, star_numbers
 from asterism.shape.cell_mean import CellMean

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import ClassVar
 
 from asterism.results.record import ABSENT, Record, key
 from asterism.results.records.shape import ENERGY_ROW, HEIGHT_ROW, SIZE_ROWS, STABLE_ROW, WORK_ROW, ShapeRecord
 from asterism.results.records.spread import SpreadRecord
+from asterism.results.words import star_numbers
 
 
 class ContactRecord(Record):
@@ -136,6 +138,13 @@ def mesh_error_in_words(record: ExactRecord) -> str:
     if record.get("mesh_forms_differ"):
         return f"not known, the last two meshes have different forms; {apart}"
     return f"not known, the stiffness of the hinges follows the mesh; {apart}"
+
+
+def off_branch(record: ExactRecord) -> Iterator[str]:
+    """Yield a line if an exact shape has such stars."""
+    if off := record.stars_off_branch:
+        stars = f"{len(off)} of {record.stars_total} stars of the exact shape {'is' if len(off) == 1 else 'are'}"
+        yield f"{stars} not on the side that the design asks for: {star_numbers(off)}"
 
 
 def _bond(record: ExactRecord) -> str | None:
