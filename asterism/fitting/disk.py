@@ -19,18 +19,11 @@ from asterism.shape.surface_fields import angle_sums, border_edges, directed_edg
 
 @dataclass(frozen=True, eq=False)
 class Disk:
-    """A triangulated surface that is one disk, with equally oriented triangles; made by `disk_of`.
+    """A triangulated surface that is one disk, with equally oriented triangles; made by `disk_of`."""
 
-    Attributes
-    ----------
-    vertices : (V, 3) mm.
-    triangles : (T, 3), counterclockwise seen from the side of the normals.
-    flat : number of triangles without area that were left out.
-    """
-
-    vertices: Floats
-    triangles: Ints
-    flat: int = 0
+    vertices: Floats  # (V, 3) mm
+    triangles: Ints  # (T, 3), counterclockwise seen from the side of the normals
+    flat: int = 0  # number of triangles without area that were left out
 
     @cached_property
     def border(self) -> Ints:
@@ -73,23 +66,10 @@ class Disk:
 def disk_of(vertices: Floats, triangles: Ints, name: str) -> Disk:
     """The disk of some triangles, welded and equally oriented.
 
-    Parameters
-    ----------
-    vertices : (V, 3) mm.
-    triangles : (T, 3).
-    name : of the target, for messages.
+    `vertices`: (V, 3) mm; `triangles`: (T, 3); `name`: of the target, for messages.
 
-    Raises
-    ------
-    TargetError
-        The triangles are no disk: many without area, several pieces, closed, holes, a handle, one side only, edges of
-        three triangles, or a border that touches itself.
-
-    Examples
-    --------
-    >>> square = np.array([[0.0, 0.0, 0.0], [9.0, 0.0, 0.0], [9.0, 9.0, 0.0], [0.0, 9.0, 0.0]])
-    >>> disk_of(square, np.array([[0, 1, 2], [0, 3, 2]]), "square").border.tolist()
-    [0, 1, 2, 3]
+    Raises TargetError: the triangles are no disk: many without area, several pieces, closed, holes, a handle, one side
+    only, edges of three triangles, or a border that touches itself.
     """
     vertices, triangles = _welded(vertices, triangles)
     if len(triangles) == 0:
@@ -227,13 +207,8 @@ def _graph(edges: Ints, count: int) -> sp.csr_array:
 def height_mesh(heights_mm: Floats, x_mm: Floats, y_mm: Floats) -> tuple[Floats, Ints]:
     """Vertices (V, 3) mm and triangles (T, 3) over a grid.
 
-    Parameters
-    ----------
-    heights_mm : (m, n), nan where there is no surface.
-    x_mm, y_mm : (n,) and (m,), increasing.
+    `heights_mm`: (m, n), nan where there is no surface; `x_mm`, `y_mm`: (n,) and (m,), increasing.
 
-    Examples
-    --------
     >>> vertices, triangles = height_mesh(np.array([[0.0, 1.0], [2.0, np.nan]]), np.arange(2.0), np.arange(2.0))
     >>> triangles.tolist()
     [[0, 1, 2]]

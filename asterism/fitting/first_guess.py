@@ -41,21 +41,13 @@ FITTED_SIZE_DECIMALS = 3
 
 @dataclass(frozen=True, eq=False)
 class FirstGuess:
-    """A design from the flattening and the law alone.
+    """A design from the flattening and the law alone."""
 
-    Attributes
-    ----------
-    design : with its outline, needles and star sizes.
-    target, target_map : the target, and its map to the print.
-    menu : of the stretch.
-    reach : what the target needs and what is available.
-    """
-
-    design: Design
+    design: Design  # with its outline, needles and star sizes
     target: TargetSurface
-    target_map: TargetMap
-    menu: StarMenu
-    reach: ReachRecord
+    target_map: TargetMap  # of the target to the print
+    menu: StarMenu  # of the stretch
+    reach: ReachRecord  # what the target needs and what is available
 
 
 def guess_design(
@@ -63,21 +55,13 @@ def guess_design(
 ) -> FirstGuess:
     """The first guess of a design for a target.
 
-    Parameters
-    ----------
-    law : of the material; its lattice is that of the design.
-    say : called with a line of text at the beginning of each stage.
+    `law`: of the material; its lattice is that of the design; `say`: called with a line of text at the beginning of
+    each stage.
 
-    Raises
-    ------
-    TargetError
-        The flat target overlaps itself.
-    ReachError
-        Stars cannot make the target.
-    ForeignLaw
-        The law has no table for the stretch.
-    LawError
-        The law does not cover the width, or is for unequal stretches in x and y.
+    Raises TargetError: the flat target overlaps itself.
+    Raises ReachError: stars cannot make the target.
+    Raises ForeignLaw: the law has no table for the stretch.
+    Raises LawError: the law does not cover the width, or is for unequal stretches in x and y.
     """
     if not law.even_stretches:
         raise LawError("a fit to a surface needs a law of equal stretch in x and y", field="fabric.stretch")
@@ -262,18 +246,11 @@ NEEDLE_STEP = 1.6
 
 @dataclass(frozen=True, eq=False)
 class _OutlineChoice:
-    """The outline of a print.
+    """The outline of a print."""
 
-    Attributes
-    ----------
-    corners : (n, 2) mm, counterclockwise.
-    places : (n, 3) mm, where the target has the corners.
-    needles : (m,) numbers of the corners that needles hold.
-    """
-
-    corners: Floats
-    places: Floats
-    needles: Ints
+    corners: Floats  # (n, 2) mm, counterclockwise
+    places: Floats  # (n, 3) mm, where the target has the corners
+    needles: Ints  # (m,) numbers of the corners that needles hold
 
 
 def _choose_outline(target_map: TargetMap, needles: int | None) -> _OutlineChoice:

@@ -37,18 +37,11 @@ from asterism.pattern.geometry.planar import triangle_areas
 
 @dataclass(frozen=True, eq=False)
 class FlatDisk:
-    """A conformal map of a disk to the plane.
+    """A conformal map of a disk to the plane."""
 
-    Attributes
-    ----------
-    disk : the surface.
-    points : (V, 2) mm, positions of the vertices in the plane.
-    log_scale : (V,) u, logarithm of the flat length over the length on the surface, as the equation gives it.
-    """
-
-    disk: Disk
-    points: Floats
-    log_scale: Floats
+    disk: Disk  # the surface
+    points: Floats  # (V, 2) mm, positions of the vertices in the plane
+    log_scale: Floats  # (V,) u, logarithm of the flat length over the length on the surface, as the equation gives it
 
     @cached_property
     def flipped(self) -> int:
@@ -62,19 +55,7 @@ class FlatDisk:
 
 
 class Flattener:
-    """Flattens one disk for several scale factors of its border; the factorisation is kept.
-
-    Examples
-    --------
-    A flat square stays as it is:
-
-    >>> from asterism.fitting.disk import disk_of
-    >>> corners = np.array([[0.0, 0.0, 0.0], [9.0, 0.0, 0.0], [9.0, 9.0, 0.0], [0.0, 9.0, 0.0], [4.0, 5.0, 0.0]])
-    >>> triangles = np.array([[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]])
-    >>> flat = Flattener(disk_of(corners, triangles, "square")).flatten()
-    >>> round(flat.ratio, 12), flat.flipped
-    (1.0, 0)
-    """
+    """Flattens one disk for several scale factors of its border; the factorisation is kept."""
 
     def __init__(self, disk: Disk) -> None:
         self.disk = disk

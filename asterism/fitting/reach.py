@@ -22,26 +22,16 @@ MIN_FITTED_ARM_MM = 2.0
 
 @dataclass(frozen=True, eq=False)
 class StarMenu:
-    """Stars of one width at one stretch, over a grid of L lengths and H thicknesses.
+    """Stars of one width at one stretch, over a grid of L lengths and H thicknesses."""
 
-    Attributes
-    ----------
-    stretch, spacing_mm, width_mm : of all stars.
-    lengths_mm : (L,).
-    thicknesses_mm : (H,).
-    contraction : (L, H) length over printed length of the natural tube, as in supported previews.
-    kappa : (L, H) 1/mm, natural curvature, positive with the plastic outside.
-    allowed : (L, H) in the range of the law, and separated in scale from the sheet.
-    """
-
-    stretch: float
+    stretch: float  # of all stars, as their spacing and width
     spacing_mm: float
     width_mm: float
-    lengths_mm: Floats
-    thicknesses_mm: Floats
-    contraction: Floats
-    kappa: Floats
-    allowed: np.ndarray
+    lengths_mm: Floats  # (L,)
+    thicknesses_mm: Floats  # (H,)
+    contraction: Floats  # (L, H) length over printed length of the natural tube, as in supported previews
+    kappa: Floats  # (L, H) 1/mm, natural curvature, positive with the plastic outside
+    allowed: np.ndarray  # (L, H) in the range of the law, and separated in scale from the sheet
 
     @classmethod
     def of(cls, law: StarLaw, stretch: float, width_mm: float) -> StarMenu:
@@ -134,11 +124,8 @@ def target_reach(
     A ReachError says that the sheet has room for too few stars, or, unless the `nearest` sheet is wanted, that it
     curves too tightly, or needs too different contractions.
 
-    Parameters
-    ----------
-    stars : (S, 2) mm, printed centres.
-    curvatures : (S, 2) 1/mm, principal curvatures of the target there.
-    menu, menus : of the chosen stretch, and of all stretches of the law, for messages.
+    `stars`: (S, 2) mm, printed centres; `curvatures`: (S, 2) 1/mm, principal curvatures of the target there; `menu`,
+    `menus`: of the chosen stretch, and of all stretches of the law, for messages.
     """
     warnings: list[str] = []
     if len(stars) < MIN_FITTED_STARS:

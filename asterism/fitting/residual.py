@@ -31,22 +31,13 @@ OFF_SHEET_MM = 0.25
 
 @dataclass(frozen=True, eq=False)
 class FitDistance:
-    """Signed distances of a shape to its target, positive on the plastic side.
+    """Signed distances of a shape to its target, positive on the plastic side."""
 
-    Attributes
-    ----------
-    shape : the sheet; a free one is laid on the target.
-    surface_mm : (V,) at the vertices of the shape, bumps included.
-    mean_mm : (V,) its means over a cell of the lattice, in which the bumps cancel.
-    diameter_mm : of the target.
-    place_weight : (V,) of the target at the nearest points.
-    """
-
-    shape: Shape
-    surface_mm: Floats
-    mean_mm: Floats
-    diameter_mm: float
-    place_weight: Floats
+    shape: Shape  # the sheet; a free one is laid on the target
+    surface_mm: Floats  # (V,) at the vertices of the shape, bumps included
+    mean_mm: Floats  # (V,) its means over a cell of the lattice, in which the bumps cancel
+    diameter_mm: float  # of the target
+    place_weight: Floats  # (V,) of the target at the nearest points
 
     @cached_property
     def mean_percent(self) -> float:
@@ -83,10 +74,7 @@ class FitDistance:
 def target_distance(shape: Shape, residual: Residual, lattice_vectors: Floats) -> FitDistance:
     """The distance of a shape to a target, at all vertices of the shape.
 
-    Parameters
-    ----------
-    residual : of the print; it lays a free sheet on the target.
-    lattice_vectors : (2, 2) mm, rows.
+    `residual`: of the print; it lays a free sheet on the target; `lattice_vectors`: (2, 2) mm, rows.
     """
     target, places = residual.target, residual.places
     if not shape.held:
@@ -99,21 +87,13 @@ def target_distance(shape: Shape, residual: Residual, lattice_vectors: Floats) -
 
 @dataclass(frozen=True, eq=False)
 class FitPlaces:
-    """The places of the print at which the distance counts, for one outline.
+    """The places of the print at which the distance counts, for one outline."""
 
-    Attributes
-    ----------
-    points : (n, 2) mm: the residual's places, `count` of them, then those over which bumps are averaged.
-    goals : (n, 3) mm, where the flattening has the points.
-    slide_weight : (count,) weight of the distance along the target.
-    bump_mean : means of the bumps at the residual's places.
-    """
-
-    points: Floats
+    points: Floats  # (n, 2) mm: the residual's places, `count` of them, then those over which bumps are averaged
     count: int
-    goals: Floats
-    slide_weight: Floats
-    bump_mean: CellMean
+    goals: Floats  # (n, 3) mm, where the flattening has the points
+    slide_weight: Floats  # (count,) weight of the distance along the target
+    bump_mean: CellMean  # means of the bumps at the residual's places
 
     @classmethod
     def of(cls, target_map: TargetMap, outline: Floats, lattice_vectors: Floats) -> FitPlaces:
@@ -142,20 +122,12 @@ def _grid(outline: Floats, step: float) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class SheetState:
-    """The residuals at one state of a sheet, at n places.
+    """The residuals at one state of a sheet, at n places."""
 
-    Attributes
-    ----------
-    places : (n, 3) mm, the mean surface in the pose of the target.
-    rotation : (3, 3) of that pose; the unit matrix for supported sheets.
-    frame : (n, 3, 3) rows: normal of the target, and two directions along it.
-    values : (3 n,) residuals.
-    """
-
-    places: Floats
-    rotation: Floats
-    frame: Floats
-    values: Floats
+    places: Floats  # (n, 3) mm, the mean surface in the pose of the target
+    rotation: Floats  # (3, 3) of that pose; the unit matrix for supported sheets
+    frame: Floats  # (n, 3, 3) rows: normal of the target, and two directions along it
+    values: Floats  # (3 n,) residuals
 
     @property
     def rms_mm(self) -> float:
@@ -166,15 +138,8 @@ class SheetState:
 class Residual:
     """Residuals of the sheets of one print.
 
-    Parameters
-    ----------
-    target : the surface.
-    places : of the print.
-    is_free : whether the sheet has no supports; then it is laid on the target.
-
-    Attributes
-    ----------
-    target, places : as given.
+    `target`: the surface; `places`: of the print; `is_free`: whether the sheet has no supports; then it is laid on the
+    target.
     """
 
     def __init__(self, target: TargetSurface, places: FitPlaces, is_free: bool) -> None:

@@ -18,18 +18,11 @@ def read_rhino(path: Path, mm: float | None) -> tuple[Floats, Ints]:
     Meshes are taken as they are. A surface that is not trimmed is sampled at its parameters; of a trimmed or joined one
     the file must hold the render mesh, as files saved by Rhino do.
 
-    Parameters
-    ----------
-    mm : length of the unit of the numbers; None for the unit that the file names.
+    `mm`: length of the unit of the numbers; None for the unit that the file names.
 
-    Returns
-    -------
-    Vertices (V, 3) in mm and triangles (T, 3).
+    Returns vertices (V, 3) in mm and triangles (T, 3).
 
-    Raises
-    ------
-    TargetError
-        `rhino3dm` is not installed, or the file holds no surface that can be read.
+    Raises TargetError: `rhino3dm` is not installed, or the file holds no surface that can be read.
     """
     model = open_rhino_model(path, mm, lambda problem: TargetError(path, problem))
     meshes = [mesh for geometry, _, hidden in model.shown() if not hidden for mesh in _meshes(path, geometry)]

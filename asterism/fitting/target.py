@@ -242,10 +242,7 @@ def _evaluated(name: str, formula: str, places: dict[str, Floats], of: str = "")
 def picture_levels(path: Path) -> Floats:
     """(m, n) grey values of a picture from 0 (black) to 1 (white), all bits of them; nan where it is transparent.
 
-    Raises
-    ------
-    ImageError
-        There is no such file, it is too large, or it is not a picture.
+    Raises ImageError: there is no such file, it is too large, or it is not a picture.
     """
     from PIL import ImageOps  # slow to import, rarely used
 

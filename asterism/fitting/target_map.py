@@ -16,18 +16,11 @@ from asterism.shape.surface_fields import directed_edges
 
 @dataclass(frozen=True, eq=False)
 class TargetMap:
-    """A flattened target on the print.
+    """A flattened target on the print."""
 
-    Attributes
-    ----------
-    flat : the flattening.
-    printed : (V, 2) mm, printed positions of the vertices of the target.
-    spacing_mm : of the stars.
-    """
-
-    flat: FlatDisk
-    printed: Floats
-    spacing_mm: float
+    flat: FlatDisk  # the flattening
+    printed: Floats  # (V, 2) mm, printed positions of the vertices of the target
+    spacing_mm: float  # of the stars
 
     @cached_property
     def log_contraction(self) -> Floats:

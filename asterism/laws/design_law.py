@@ -22,10 +22,8 @@ from asterism.process.environment import quoted
 def law_output_path(file: Path | None, output: Path | None, other: Path | None) -> Path:
     """Path for a new law: `output`, or beside the file; the paper's law goes into the working directory.
 
-    Parameters
-    ----------
-    file : design or material; None for the paper's material.
-    other : material file that replaces the design's material.
+    `file`: design or material; None for the paper's material; `other`: material file that replaces the design's
+    material.
     """
     if output is not None or file is None:
         return output or Path("paper.npz")
@@ -41,16 +39,10 @@ def is_design(file: Path | None) -> bool:
 def plan_from_file(file: Path | None, other: Path | None, note: Note) -> LawPlan:
     """The cells of the law of a material, or of the stars or the motif of a design.
 
-    Parameters
-    ----------
-    file : the paper's material if there is none.
-    other : a material's file, whose fabric and plastic take the place of the design's.
-    note : as of `with_material`.
+    `file`: the paper's material if there is none; `other`: a material's file, whose fabric and plastic take the place
+    of the design's; `note`: as of `with_material`.
 
-    Raises
-    ------
-    DesignError
-        The file is wrong, or there is no law of its material or pattern.
+    Raises DesignError: the file is wrong, or there is no law of its material or pattern.
     """
     if file is None or not is_design(file):
         if other is not None:
@@ -66,15 +58,10 @@ def plan_from_file(file: Path | None, other: Path | None, note: Note) -> LawPlan
 def law_from_file(design: Design, law: Path | None, file: Path, other: Path | None = None) -> Law[Any] | None:
     """The law in a file, if it fits the design; None without a file, so that the preview chooses or makes its law.
 
-    Parameters
-    ----------
-    law : None for the law that the design names.
-    file, other : files of the design and of the material that replaces its own; for the message.
+    `law`: None for the law that the design names; `file`, `other`: files of the design and of the material that
+    replaces its own; for the message.
 
-    Raises
-    ------
-    LawError
-        The file is not a law, or the law does not fit.
+    Raises LawError: the file is not a law, or the law does not fit.
     """
     path = law if law is not None or design.law_file is None else Path(design.law_file)
     if path is None:

@@ -17,13 +17,8 @@ from asterism.pattern.layout.free_motions import check_weight_is_supported
 def material_in_words(path: Path) -> str:
     """One line on a material file: the plastic, the fabric, where the values come from and when they were measured.
 
-    Raises
-    ------
-    DesignError
-        The file is not a material.
+    Raises DesignError: the file is not a material.
 
-    Examples
-    --------
     >>> from asterism.pattern.design.material_files import material_files
     >>> material_in_words(material_files()["paper"]).split("; ")[0]
     'E1/E2 3200 (paper), kappa_bar 0 /mm'
@@ -47,10 +42,7 @@ Note = Callable[[str], None]
 def read_design(path: Path, material: Path | None, note: Note) -> Design:
     """A design that is to be computed, from its file, with the material of another file.
 
-    Raises
-    ------
-    DesignError
-        As `load_design` and `with_material`, or nothing carries the sheet's weight.
+    Raises DesignError: as `load_design` and `with_material`, or nothing carries the sheet's weight.
     """
     design = with_material(load_design(path), material, note)
     try:
@@ -67,14 +59,10 @@ def with_material(design: Design, path: Path | None, note: Note | None = None) -
     Only values that the file contains replace those of the design. The stretch of the file is that of the measurement:
     it is taken if the design gives none. The lattice of the design stays.
 
-    Parameters
-    ----------
-    note : called with a line for each value of the file that is not used, and if the file changes nothing.
+    `note`: called with a line for each value of the file that is not used, and if the file changes nothing.
 
-    Raises
-    ------
-    DesignError
-        No material has the name, the file is not one, it has no value for the design, or the design does not fit it.
+    Raises DesignError: no material has the name, the file is not one, it has no value for the design, or the design
+    does not fit it.
     """
     if path is None:
         return design

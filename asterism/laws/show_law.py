@@ -39,14 +39,7 @@ CHECKED_QUANTITIES = {"kappa": "curvature", "curvature": "curvature", "bending":
 
 
 def law_record(law: Law[Any]) -> LawRecord:
-    """The summary of a law.
-
-    Examples
-    --------
-    >>> from asterism.homogenize.law.law_file import load_law
-    >>> law_record(load_law()).table()["stretches"]
-    '1.35, 1.75'
-    """
+    """The summary of a law."""
     plan = law.plan.to_dict()
     return LawRecord.from_json(
         {

@@ -162,10 +162,7 @@ def read_overhangs(path: Path) -> list[float]:
     The mean is geometric, over the ends and faces of a strip that were measured. Readings of one strip resemble each
     other; therefore strips count, and not readings, when the interval is computed (ASTM D1388).
 
-    Raises
-    ------
-    TableError
-        The table is wrong; the message names file, row and column.
+    Raises TableError: the table is wrong; the message names file, row and column.
     """
     readings: dict[str, list[float]] = {}
     seen: dict[tuple[str, str, str], int] = {}

@@ -38,12 +38,8 @@ def law_of(design: Design) -> Law[Any]:
 
     A file is read again only if it has changed: the designs of a sweep name the same one.
 
-    Raises
-    ------
-    LawError
-        The file is not a law.
-    UnreadableLaw
-        The file is missing, or cannot be read.
+    Raises LawError: the file is not a law.
+    Raises UnreadableLaw: the file is missing, or cannot be read.
     """
     if design.law_file is None:
         return paper_law()
@@ -70,24 +66,15 @@ def serving_law(
 
     Cells are kept (`homogenize.campaign.kept_samples`): each is solved once on a machine.
 
-    Parameters
-    ----------
-    plan : layout of the design; computed if it is needed.
-    known : law of the preview before an edit. A law that covers the design stays; one of the same material and pattern
-        gets further cells.
-    say : called with a line before each cell that is solved.
-    respond : solves a cell, as of `run_campaign`.
+    `plan`: layout of the design; computed if it is needed; `known`: law of the preview before an edit. A law that
+    covers the design stays; one of the same material and pattern gets further cells; `say`: called with a line before
+    each cell that is solved; `respond`: solves a cell, as of `run_campaign`.
 
-    Returns
-    -------
-    A `StarLaw` or a `MotifLaw`, as the design has stars or a motif.
+    Returns a `StarLaw` or a `MotifLaw`, as the design has stars or a motif.
 
-    Raises
-    ------
-    DesignError
-        There is no law of such a design.
-    LawError
-        The file that the design names is no law for it, or the cells have no answer; the message has the reason.
+    Raises DesignError: there is no law of such a design.
+    Raises LawError: the file that the design names is no law for it, or the cells have no answer; the message has the
+    reason.
     """
     named = law_of(design) if design.law_file is not None or design.rods is None else None
     if named is not None and (design.law_file is not None or without_law(design) is not None):

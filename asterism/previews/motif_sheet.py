@@ -66,10 +66,7 @@ def to_grain(fabric: Fabric) -> Floats:
 def bare_fabric(fabric: Fabric, metric: Floats, share: Floats) -> EnergyTerm:
     """Additional energy term of a shell whose strains count from a rest metric.
 
-    Parameters
-    ----------
-    metric : (T, Q, 3) rest metric of the shell.
-    share : (T, Q) of bare fabric.
+    `metric`: (T, Q, 3) rest metric of the shell; `share`: (T, Q) of bare fabric.
     """
     released = np.array([1.0 / stretch**2 for stretch in fabric.stretch_xy])
     reference = metric.reshape(-1, 3)
@@ -106,22 +103,15 @@ MAX_GAUSSIAN_FACTOR = 5.0
 
 @dataclass(frozen=True, eq=False)
 class MotifSheetValues:
-    """The law of a design's motif, evaluated with the sizes that the rods have at each place.
+    """The law of a design's motif, evaluated with the sizes that the rods have at each place."""
 
-    Attributes
-    ----------
-    tensors : at the quadrature points, arrays (T, Q, ...).
-    outside : one line for each of the compared places on rods where sizes leave the range of the law. The nearest sizes
-        in the range replace them.
-    places : number of these compared places.
-    is_uniform : whether all copies of the motif are equal.
-    has_tight_curls : whether much of the sheet is not scale-separated: never, since such cells have no law.
-    """
-
-    tensors: SheetTensors
+    tensors: SheetTensors  # at the quadrature points, arrays (T, Q, ...)
+    # one line for each of the compared places on rods where sizes leave the range of the law. The nearest sizes in the
+    # range replace them.
     outside: tuple[str, ...]
-    places: int
-    is_uniform: bool
+    places: int  # number of these compared places
+    is_uniform: bool  # whether all copies of the motif are equal
+    # whether much of the sheet is not scale-separated: never, since such cells have no law
     has_tight_curls: ClassVar[bool] = False
 
 
@@ -177,10 +167,8 @@ class MotifSheet(PrintSheet):
     def fields(self, values: MotifSheetValues) -> Fields:
         """Rest metric, rest curvature and stiffness at the quadrature points.
 
-        Raises
-        ------
-        LawError
-            The rest metric is not positive definite: the sizes of the rods differ too much from place to place.
+        Raises LawError: the rest metric is not positive definite: the sizes of the rods differ too much from place to
+        place.
         """
         metric, stiffness, curvature = values.tensors.metric, values.tensors.stiffness, values.tensors.curvature
         rods = self.design.required_rods
@@ -287,17 +275,7 @@ REACH_TOLERANCE = 1e-3
 
 
 def reach_mm(design: Design) -> float:
-    """Largest distance of a place of the endless pattern from its nearest rod.
-
-    Examples
-    --------
-    >>> lines = Design.from_dict({
-    ...     "rods": {"motif": [{"line_mm": [(0, 0), (5, 0)]}]}, "lattice": {"kind": "square", "spacing_mm": 5.0},
-    ...     "border": {"rectangle_mm": (40, 40)},
-    ... })
-    >>> reach_mm(lines)
-    2.5
-    """
+    """Largest distance of a place of the endless pattern from its nearest rod."""
     vectors = np.asarray(design.lattice.vectors)
     steps = np.arange(-COPIES, COPIES + 1)
     shifts = np.stack(np.meshgrid(steps, steps, indexing="ij"), axis=-1).reshape(-1, 2) @ vectors
@@ -324,10 +302,8 @@ def holes_within_cells(layout: Layout, tip_margin_mm: float) -> list[int]:
 def bare_share(layout: Layout, reach: float, smoothing: float, points: Floats) -> Floats:
     """(n,) from 0 in the pattern to 1 on bare fabric, at printed points (n, 2) mm.
 
-    Parameters
-    ----------
-    reach : mm, from `reach_mm`; places farther from all rods are bare.
-    smoothing : mm, standard deviation of the Gaussian over which that is averaged on the sheet.
+    `reach`: mm, from `reach_mm`; places farther from all rods are bare; `smoothing`: mm, standard deviation of the
+    Gaussian over which that is averaged on the sheet.
     """
     low, high = layout.outline.min(axis=0), layout.outline.max(axis=0)
     # points of the grid along the longer side of a sheet, at most
@@ -349,26 +325,17 @@ def bare_share(layout: Layout, reach: float, smoothing: float, points: Floats) -
 
 @dataclass(frozen=True)
 class Rims:
-    """The sides of a sheet.
+    """The sides of a sheet."""
 
-    Attributes
-    ----------
-    start, end : (B, 2) mm, of each side of the outline, and of holes that are larger than a cell.
-    along : (B, 2) unit vectors along them.
-    moment_mm2 : (B,) Phi over N.
-    """
-
-    start: Floats
-    end: Floats
-    along: Floats
-    moment_mm2: Floats
+    start: Floats  # (B, 2) mm, of each side of the outline, and of holes that are larger than a cell
+    end: Floats  # (B, 2) mm
+    along: Floats  # (B, 2) unit vectors along them
+    moment_mm2: Floats  # (B,) Phi over N
 
     def gaussian(self, tension: Floats, points: Floats) -> Floats:
         """(n,) N mm, the Gaussian modulus -phi at printed points (n, 2) mm.
 
-        Parameters
-        ----------
-        tension : (n, 3) N/mm, of the fabric in the flat sheet, components 11, 22, 12, in printed coordinates.
+        `tension`: (n, 3) N/mm, of the fabric in the flat sheet, components 11, 22, 12, in printed coordinates.
         """
         x, y = self.along.T
         across = np.stack([x * x, y * y, 2.0 * x * y])  # of the tension along each side
@@ -381,21 +348,7 @@ class Rims:
 def rims_of(design: Design, layout: Layout, reach: float) -> Rims:
     """The sides of the sheet of a motif.
 
-    Parameters
-    ----------
-    reach : mm, from `reach_mm`.
-
-    Examples
-    --------
-    Lines 5 mm apart, of which the outermost are 4 mm from two sides and end at the others:
-
-    >>> from asterism.pattern.layout.build import layout
-    >>> lines = Design.from_dict({
-    ...     "rods": {"motif": [{"line_mm": [(0, 0), (5, 0)]}]}, "lattice": {"kind": "square", "spacing_mm": 5.0},
-    ...     "border": {"rectangle_mm": (40, 38)},
-    ... })
-    >>> rims_of(lines, layout(lines), 2.5).moment_mm2.round(2).tolist()
-    [4.79, 0.0, 4.79, 0.0]
+    `reach`: mm, from `reach_mm`.
     """
     small = small_holes(layout)
     edges = SheetEdges(tuple(ring for k, ring in enumerate(layout.edges.rings) if k - 1 not in small))

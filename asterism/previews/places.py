@@ -18,28 +18,16 @@ from asterism.pattern.mesh.mesh import Mesh
 
 @dataclass(frozen=True)
 class Places:
-    """Positions of n printed points in space, and the smooth surface of the shell there.
+    """Positions of n printed points in space, and the smooth surface of the shell there."""
 
-    Attributes
-    ----------
-    smooth : (n, 3) mm, positions on the smooth surface.
-    tangents : (n, 2, 3) derivatives of the position by the printed coordinates.
-    seconds : (n, 3, 3) 1/mm, second derivatives 11, 22, 12.
-    normals : (n, 3) unit normals on the plastic side.
-    area : (n,) area of the surface per printed area.
-    mean_curvature, gaussian_curvature : (n,) 1/mm and 1/mm^2; the mean curvature is positive where the plastic side is
-        convex.
-    bumps : (n, 3) mm, vectors from there to the sheet with its bumps; zero for the sheet of a motif.
-    """
-
-    smooth: Floats
-    tangents: Floats
-    seconds: Floats
-    normals: Floats
-    area: Floats
-    mean_curvature: Floats
-    gaussian_curvature: Floats
-    bumps: Floats
+    smooth: Floats  # (n, 3) mm, positions on the smooth surface
+    tangents: Floats  # (n, 2, 3) derivatives of the position by the printed coordinates
+    seconds: Floats  # (n, 3, 3) 1/mm, second derivatives 11, 22, 12
+    normals: Floats  # (n, 3) unit normals on the plastic side
+    area: Floats  # (n,) area of the surface per printed area
+    mean_curvature: Floats  # (n,) 1/mm, positive where the plastic side is convex
+    gaussian_curvature: Floats  # (n,) 1/mm^2
+    bumps: Floats  # (n, 3) mm, vectors from there to the sheet with its bumps; zero for the sheet of a motif
 
     @classmethod
     def at(cls, points: Evaluation, x: Floats) -> Self:
@@ -71,14 +59,9 @@ class Places:
 class SheetLens:
     """Computes the positions of a fixed set of printed points (n, 2) mm for shells of one sheet, here without bumps.
 
-    Attributes
-    ----------
-    sheet, points : as given.
+    `sheet`, `points`: as given.
 
-    Raises
-    ------
-    ValueError
-        These are no points, or one is outside of the sheet.
+    Raises ValueError: these are no points, or one is outside of the sheet.
     """
 
     def __init__(self, sheet: Any, points: Floats) -> None:
@@ -93,10 +76,7 @@ class SheetLens:
     def renewed(self, sheet: Any) -> SheetLens:
         """The lens of the same points on another sheet; after an edit that keeps the print, unchanged parts are shared.
 
-        Raises
-        ------
-        ValueError
-            A point is outside of that sheet.
+        Raises ValueError: a point is outside of that sheet.
         """
         if sheet is self.sheet:
             return self

@@ -84,12 +84,8 @@ MIN_SOFTNESS = -0.5
 def softness(mesh: SheetMesh, pins: Floats, points: Floats, edge_mm: float) -> Floats:
     """(...,) softness s at printed points (..., 2) mm: the membrane stiffness is divided by 1 + s.
 
-    Parameters
-    ----------
-    mesh : coarse mesh of the shell.
-    pins : (n, 2) mm, vertices of the mesh.
-    points : (..., 2) mm.
-    edge_mm : edge length h of the mesh of the exact model.
+    `mesh`: coarse mesh of the shell; `pins`: (n, 2) mm, vertices of the mesh; `points`: (..., 2) mm; `edge_mm`: edge
+    length h of the mesh of the exact model.
     """
     edges, angles = around(mesh, pins)
     amounts = amounts_of(edges, angles, edge_mm)
@@ -107,11 +103,8 @@ def spot(pin: Floats, edge_mm: float, points: Floats) -> Floats:
 def amounts_of(edges: Floats, angles_deg: Floats, edge_mm: float) -> Floats:
     """(n,) amplitudes A at pins; negative if h is long.
 
-    Parameters
-    ----------
-    edges : (n,) mm, edge lengths L of the shell at the pins.
-    angles_deg : (n,) angles alpha of the sheet at the pins.
-    edge_mm : edge length h of the exact model.
+    `edges`: (n,) mm, edge lengths L of the shell at the pins; `angles_deg`: (n,) angles alpha of the sheet at the pins;
+    `edge_mm`: edge length h of the exact model.
     """
     lack, gain = (np.interp(angles_deg, ANGLES_DEG, of) for of in (LACK, GAIN))
     return np.maximum((np.log(edges / edge_mm) - lack) / gain, MIN_SOFTNESS)

@@ -48,33 +48,20 @@ EQUILATERAL = 0.25 * 3.0**0.5  # area of a triangle over its squared edge
 
 @dataclass(eq=False)
 class PrintSheet(ABC):
-    """A printed sheet with its law, its mesh and its finite elements; made by `of`. Once made, it does not change.
+    """A printed sheet with its law, its mesh and its finite elements; made by `of`. Once made, it does not change."""
 
-    Attributes
-    ----------
-    design, layout : of the print.
-    law : of the design's material.
-    model : constants of the preview.
-    asked_triangles : number of triangles that the caller asked for; None for the default.
-    mesh : coarse triangles of the shell.
-    space : C1 quintic elements on these triangles.
-    table : shape functions at the quadrature points.
-    shells : for each step the pins of its supports, and a shell of this print. Sheets of one print share them.
-    shown_edge : least edge of the triangles to show, over the spacing of the lattice.
-    most_triangles : of the shell's mesh, unless the caller gives a number.
-    """
-
-    shown_edge: ClassVar[float]
-    most_triangles: ClassVar[int]
+    shown_edge: ClassVar[float]  # least edge of the triangles to show, over the spacing of the lattice
+    most_triangles: ClassVar[int]  # of the shell's mesh, unless the caller gives a number
 
     design: Design
     layout: Layout
-    law: Any
-    model: PreviewModel
-    asked_triangles: int | None
-    mesh: SheetMesh
-    space: Argyris
-    table: Tabulation
+    law: Any  # of the design's material
+    model: PreviewModel  # constants of the preview
+    asked_triangles: int | None  # number of triangles that the caller asked for; None for the default
+    mesh: SheetMesh  # coarse triangles of the shell
+    space: Argyris  # C1 quintic elements on these triangles
+    table: Tabulation  # shape functions at the quadrature points
+    # for each step the pins of its supports, and a shell of this print. Sheets of one print share them.
     shells: dict[int, tuple[tuple[PinSet, ...], Shell]] = field(default_factory=dict, kw_only=True)
 
     @classmethod
@@ -83,15 +70,10 @@ class PrintSheet(ABC):
     ) -> Self:
         """The sheet of a design with its layout and its law.
 
-        Parameters
-        ----------
-        triangles : approximate number of triangles; by default the edges are `EDGE_SPACINGS` spacings long, within
-            limits of the number of triangles.
+        `triangles`: approximate number of triangles; by default the edges are `EDGE_SPACINGS` spacings long, within
+        limits of the number of triangles.
 
-        Raises
-        ------
-        MeshError
-            The outline cannot be meshed.
+        Raises MeshError: the outline cannot be meshed.
         """
         usual = layout.area_mm2 / (EQUILATERAL * (EDGE_SPACINGS * design.lattice.spacing_mm) ** 2)
         count = triangles or np.clip(usual, MIN_TRIANGLES, cls.most_triangles)
@@ -110,10 +92,7 @@ class PrintSheet(ABC):
     def values(self) -> Any:
         """The law at the stars, or at the sizes of the rods; computed once.
 
-        Raises
-        ------
-        LawError
-            The law is for another material, or its values are impossible for a sheet.
+        Raises LawError: the law is for another material, or its values are impossible for a sheet.
         """
 
     @abstractmethod
@@ -204,10 +183,7 @@ class PrintSheet(ABC):
     def shell(self, fields: Fields, step: int) -> Shell:
         """The shell with the supports up to a step.
 
-        Raises
-        ------
-        DesignError
-            The supports contradict each other.
+        Raises DesignError: the supports contradict each other.
         """
         # a sheet without supports would fall: gravity acts only from the step of the first supports on
         is_carried = self.layout.is_supported(step)
@@ -230,9 +206,7 @@ class PrintSheet(ABC):
 def conditions(layout: Layout, sheet: SheetMesh, mesh: MeshTri, step: int) -> list[Condition]:
     """Conditions of the shell from the pins that are active at a step of the release.
 
-    Parameters
-    ----------
-    sheet, mesh : the coarse mesh of the sheet, and the same mesh as a `MeshTri`.
+    `sheet`, `mesh`: the coarse mesh of the sheet, and the same mesh as a `MeshTri`.
     """
     active: list[Condition] = []
     facet_of = {tuple(ends): number for number, ends in enumerate(np.sort(mesh.facets, axis=0).T.tolist())}

@@ -84,17 +84,11 @@ def is_inverted(shell: Shell, x: Floats, side: Side) -> bool:
 
 @dataclass(frozen=True)
 class SheetTraits:
-    """Properties of a sheet that determine the initial guesses.
+    """Properties of a sheet that determine the initial guesses."""
 
-    Attributes
-    ----------
-    has_equal_stars : whether all stars have one size.
-    has_tight_curls : whether many stars are not scale-separated.
-    turns : (2, 2) rotations and mirrors of the design's symmetries; axes that they make equal count once.
-    """
-
-    has_equal_stars: bool = False
-    has_tight_curls: bool = False
+    has_equal_stars: bool = False  # whether all stars have one size
+    has_tight_curls: bool = False  # whether many stars are not scale-separated
+    # (2, 2) rotations and mirrors of the design's symmetries; axes that they make equal count once
     turns: Sequence[Floats] = ()
 
 

@@ -47,14 +47,10 @@ class SnapshotError(Error, ValueError):
 class Watch:
     """Called at least once in each Newton iteration.
 
-    Parameters
-    ----------
-    check : called each time; an error that it raises ends the search.
-    max_seconds : wall time after which a search ends with `SearchLimitError`.
+    `check`: called each time; an error that it raises ends the search; `max_seconds`: wall time after which a search
+    ends with `SearchLimitError`.
 
-    Attributes
-    ----------
-    has_stopped : whether the watch has ended the current search.
+    `has_stopped`: whether the watch has ended the current search.
     """
 
     def __init__(self, check: Callable[[], None] | None = None, max_seconds: float | None = None) -> None:

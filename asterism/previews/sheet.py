@@ -113,14 +113,9 @@ def corrugation_heights(
 ) -> Floats:
     """(n,) heights in mm over the smooth surface.
 
-    Parameters
-    ----------
-    waves : (n, W) the law's waves at the points.
-    values : the law at the stars.
-    weights : (n, S) share of each star at the points.
-    curvature : (n,) 1/mm, sum of the shell's principal curvatures, positive where the plastic side is convex.
-    nearest : (n,) nearest star of each point.
-    spacing : mm, spacing of the stars.
+    `waves`: (n, W) the law's waves at the points; `values`: the law at the stars; `weights`: (n, S) share of each star
+    at the points; `curvature`: (n,) 1/mm, sum of the shell's principal curvatures, positive where the plastic side is
+    convex; `nearest`: (n,) nearest star of each point; `spacing`: mm, spacing of the stars.
     """
     flat, more = np.moveaxis(_shared(weights, values.corrugation), 1, 0)
     bent = _bent(_shared(weights, values.value["kappa"]), curvature, spacing)
@@ -135,10 +130,7 @@ def corrugation_heights(
 def flattening(values: StarValues, weights: sp.csr_matrix, area: Floats) -> Floats:
     """(n,) factor by which the stretch of a supported sheet reduces the height of its bumps.
 
-    Parameters
-    ----------
-    weights : (n, S) share of each star.
-    area : (n,) area of the sheet per printed area.
+    `weights`: (n, S) share of each star; `area`: (n,) area of the sheet per printed area.
     """
     lam = np.maximum(beside(weights, values.value["lam"][:-1]), values.value["lam"].min())
     return np.asarray(1.0 / (1.0 + np.maximum(np.sqrt(area) / lam - 1.0, 0.0) / BUMP_STRAIN))
@@ -173,13 +165,8 @@ MIN_LENGTH_MM = 1e-9
 class Arms:
     """The arms of a layout, for all shells on one mesh of the sheet.
 
-    Attributes
-    ----------
-    layout : as given.
-    centre, tip : (A, 2) mm, both ends of the arms.
-    length : (A,) mm.
-    room : (A,) mm, distance of the tips from the supports.
-    direction : (A, 2) unit vectors of the arms, from the centre to the tip.
+    `layout`: as given; `centre`, `tip`: (A, 2) mm, both ends of the arms; `length`: (A,) mm; `room`: (A,) mm, distance
+    of the tips from the supports; `direction`: (A, 2) unit vectors of the arms, from the centre to the tip.
     """
 
     def __init__(self, layout: Layout, space: Argyris) -> None:
@@ -201,31 +188,20 @@ class Arms:
 
 @dataclass(frozen=True, eq=False)
 class ArmShares:
-    """Shares of A arms at n points; made by `arm_shares`.
+    """Shares of A arms at n points; made by `arm_shares`."""
 
-    Attributes
-    ----------
-    arms : the arms.
-    points : the points.
-    to_pin : (n,) distance to the nearest supported point over that in which fabric follows an arm; at most 1.
-    reach : mm, distance from the middle of an arm up to which fabric follows it.
-    along : (n, A) shares of the tips' moves along the sheet.
-    """
-
-    arms: Arms
-    points: cKDTree
-    to_pin: Floats
-    reach: float
-    along: sp.csc_matrix
+    arms: Arms  # the arms
+    points: cKDTree  # the points
+    to_pin: Floats  # (n,) distance to the nearest supported point over that in which fabric follows an arm; at most 1
+    reach: float  # mm, distance from the middle of an arm up to which fabric follows it
+    along: sp.csc_matrix  # (n, A) shares of the tips' moves along the sheet
 
 
 def arm_shares(arms: Arms, points: Floats, before: ArmShares | None = None) -> ArmShares:
     """The shares of all arms at points (n, 2) mm.
 
-    Parameters
-    ----------
-    before : shares of other arms at these points, on a sheet with the same supported points. Those of arms that are
-        the same are used again.
+    `before`: shares of other arms at these points, on a sheet with the same supported points. Those of arms that are
+    the same are used again.
     """
     beside, beyond = (b * arms.layout.spacing_mm for b in (FABRIC_BESIDE_ARM, FABRIC_BEYOND_TIP))
     reach, pins = 0.5 * float(arms.length.max()) + DECAY_LENGTHS * beyond, arms.layout.pin_points
@@ -316,10 +292,7 @@ class Sheet(PrintSheet):
     def fields(self, values: StarValues) -> Fields:
         """Rest metric, rest curvature and stiffness at the quadrature points.
 
-        Raises
-        ------
-        LawError
-            The rest metric is not positive definite: adjacent stars contract too differently.
+        Raises LawError: the rest metric is not positive definite: adjacent stars contract too differently.
         """
         places = StarPlaces(self.stars, values, self.pin_softness, self.design.fabric.is_orthotropic)
         fields = sheet_fields(places)
@@ -384,12 +357,9 @@ _kept: list[PrintSheet] = []
 def preview_layout(design: Design) -> Layout:
     """The layout of a design that has a preview.
 
-    Raises
-    ------
-    DesignError
-        The design cannot be printed; or its lines have no law, which is found before anything is computed.
-    TypeError
-        `design` is not a `Design`.
+    Raises DesignError: the design cannot be printed; or its lines have no law, which is found before anything is
+    computed.
+    Raises TypeError: `design` is not a `Design`.
     """
     check_type(design, Design, "load_design reads one from a file")
     if design.rods is not None and (refused := without_law(design)) is not None:
@@ -400,12 +370,8 @@ def preview_layout(design: Design) -> Layout:
 def sheet_for(design: Design, plan: Layout, law: Any, triangles: int | None, model: PreviewModel) -> PrintSheet:
     """The sheet of a design with its layout and law, on the mesh of a kept print if one serves; see `PrintSheet.of`.
 
-    Raises
-    ------
-    MeshError
-        The outline cannot be meshed.
-    TypeError
-        The law is not one of such a pattern.
+    Raises MeshError: the outline cannot be meshed.
+    Raises TypeError: the law is not one of such a pattern.
     """
     kind: type[PrintSheet] = Sheet
     if design.rods is None:

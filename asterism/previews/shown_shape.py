@@ -182,16 +182,10 @@ def equivalent_axes_deg(state: PreviewState, axis_deg: float | None) -> list[flo
 
 
 class ExpectedError(NamedTuple):
-    """In % of the diameter; nine of ten exact shapes are nearer.
+    """In % of the diameter; nine of ten exact shapes are nearer."""
 
-    Attributes
-    ----------
-    distance : rms distance to the exact shape.
-    height : difference of the heights.
-    """
-
-    distance: float
-    height: float
+    distance: float  # rms distance to the exact shape
+    height: float  # difference of the heights
 
 
 # without supports that act along the print
@@ -212,13 +206,6 @@ def expected_error(state: PreviewState) -> ExpectedError | None:
     """The estimated error of a state; None with many stars or rods that its law does not describe.
 
     A sheet that slides on all of its supports counts as free.
-
-    Examples
-    --------
-    >>> from asterism.pattern import gallery
-    >>> from asterism.previews.session import Preview
-    >>> expected_error(Preview(gallery.load("dome")).state) is HELD_MANY
-    True
     """
     layout, values = state.layout, state.sheet.values
     if not layout.has_stars:
@@ -248,12 +235,8 @@ def overstretched_stars(shape: Shape, design: Design, layout: Layout) -> Ints:
 def mean_square_limit(fabric: Fabric, ratio: float = 0.0) -> float:
     """Upper bound of the mean square stretch from print.
 
-    Parameters
-    ----------
-    ratio : of the distances of supports in space and in print.
+    `ratio`: of the distances of supports in space and in print.
 
-    Examples
-    --------
     >>> mean_square_limit(Fabric()), mean_square_limit(Fabric(), ratio=1.2)
     (1.0, 1.44)
     """
@@ -292,10 +275,8 @@ def support_ratio(layout: Layout) -> float:
 def preview_warnings(state: PreviewState, shape: Shape, crossings: int, overstretched: Sequence[int]) -> Iterator[str]:
     """The warnings, in the order of their causes: pattern, supports, equilibrium, shape.
 
-    Parameters
-    ----------
-    crossings : number of pairs of triangles of the shape that pass through each other.
-    overstretched : numbers of the stars around which the shape is longer than its fabric can be.
+    `crossings`: number of pairs of triangles of the shape that pass through each other; `overstretched`: numbers of the
+    stars around which the shape is longer than its fabric can be.
     """
     collapses = not state.layout.has_stars and is_collapsing(state.shell, state.equilibrium)
     if collapses:

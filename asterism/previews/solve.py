@@ -44,39 +44,24 @@ FORM_START = "form"
 
 @dataclass(frozen=True, eq=False)
 class PreviewState:
-    """A design, its shell, and the shell's state, for any pattern. The functions that return a state do not change it.
+    """A design, its shell, and its state, for any pattern. Functions that return a state do not change this one."""
 
-    Attributes
-    ----------
-    sheet : the print with its law, its mesh and its model.
-    side : to which the edges were asked to go.
-    shell : with the supports of all steps.
-    resting : the last equilibrium, from which edits go on.
-    factor : a solver for the shell's Hessians. Its content changes while an equilibrium is sought.
-    watch : called at least once in each Newton iteration; an error that it raises ends the search.
-    is_factor_resting : whether the factor holds the Hessian at `resting`.
-    response : after the first stage of an edit, the linear response, which is shown in place of `resting`.
-    """
-
-    sheet: PrintSheet
-    side: Side
-    shell: Shell
-    resting: ShellEquilibrium
-    factor: Factor
-    watch: Callable[[], None]
-    is_factor_resting: bool = True
+    sheet: PrintSheet  # the print with its law, its mesh and its model
+    side: Side  # to which the edges were asked to go
+    shell: Shell  # with the supports of all steps
+    resting: ShellEquilibrium  # the last equilibrium, from which edits go on
+    factor: Factor  # a solver for the shell's Hessians. Its content changes while an equilibrium is sought.
+    watch: Callable[[], None]  # called at least once in each Newton iteration; an error that it raises ends the search
+    is_factor_resting: bool = True  # whether the factor holds the Hessian at `resting`
+    # after the first stage of an edit, the linear response, which is shown in place of `resting`
     response: Response | None = None
 
     @classmethod
     def from_guesses(cls, sheet: PrintSheet, side: Side, clock: Clock, watch: Callable[[], None]) -> PreviewState:
         """The state at the equilibrium that initial guesses lead to, after all supports have taken hold.
 
-        Raises
-        ------
-        DesignError
-            The supports contradict each other.
-        LawError
-            The rest metric is not positive definite.
+        Raises DesignError: the supports contradict each other.
+        Raises LawError: the rest metric is not positive definite.
         """
         with clock("fields"):
             values = sheet.values
@@ -147,12 +132,8 @@ class PreviewState:
         On a sheet of the same print, with another pattern or with pins at other places in space, its equilibrium is
         still that of the old sheet. On another print it is none, but the printed sheet.
 
-        Raises
-        ------
-        DesignError
-            The supports contradict each other.
-        LawError
-            The rest metric is not positive definite.
+        Raises DesignError: the supports contradict each other.
+        Raises LawError: the rest metric is not positive definite.
         """
         with clock("fields"):
             fields = sheet.fields(sheet.values)

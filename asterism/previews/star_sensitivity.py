@@ -31,12 +31,8 @@ def star_sensitivity(state: PreviewState, size: SizeName) -> Floats:
 
     Sizes at the upper end of the law's range are changed downwards.
 
-    Raises
-    ------
-    LawError, DesignError
-        A changed star is not admissible.
-    ValueError
-        The state shows no equilibrium.
+    Raises LawError, DesignError: a changed star is not admissible.
+    Raises ValueError: the state shows no equilibrium.
     """
     if state.response is not None:
         raise ValueError("sensitivities belong to an equilibrium, not to a linear response")

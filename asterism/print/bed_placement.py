@@ -23,16 +23,10 @@ TURNS_DEG = range(180)
 
 @dataclass(frozen=True)
 class BedPlacement:
-    """The motion from printed coordinates to those of the sheets, whose origin is the middle of frame and bed.
+    """The motion from printed coordinates to those of the sheets, whose origin is the middle of frame and bed."""
 
-    Attributes
-    ----------
-    turn_deg : counterclockwise turn about the origin of the design.
-    shift : (2,) mm, place of the origin of the design after the turn.
-    """
-
-    turn_deg: float
-    shift: Floats
+    turn_deg: float  # counterclockwise turn about the origin of the design
+    shift: Floats  # (2,) mm, place of the origin of the design after the turn
 
     def points(self, printed: Floats) -> Floats:
         """Points (..., 2) mm after the motion."""

@@ -15,26 +15,16 @@ A4_MM = (210.0, 297.0)
 
 @dataclass(frozen=True)
 class DrawingLayer:
-    """A layer of a drawing: name and style of its items.
+    """A layer of a drawing: name and style of its items."""
 
-    Attributes
-    ----------
-    name : name in vector programs.
-    colour : `#rrggbb`.
-    width_mm : width of lines.
-    dash_mm : lengths of dashes and gaps; empty for full lines.
-    filled : closed lines are filled with the colour.
-    is_printed_width : `width_mm` is that of a printed line; formats whose lines have no width by themselves store it.
-    meaning : text in the legend; empty for no entry.
-    """
-
-    name: str
-    colour: str
-    width_mm: float = 0.25
-    dash_mm: tuple[float, ...] = ()
-    filled: bool = False
+    name: str  # name in vector programs
+    colour: str  # `#rrggbb`
+    width_mm: float = 0.25  # width of lines
+    dash_mm: tuple[float, ...] = ()  # lengths of dashes and gaps; empty for full lines
+    filled: bool = False  # closed lines are filled with the colour
+    # `width_mm` is that of a printed line; formats whose lines have no width by themselves store it
     is_printed_width: bool = False
-    meaning: str = ""
+    meaning: str = ""  # text in the legend; empty for no entry
 
 
 @dataclass(frozen=True)

@@ -180,10 +180,7 @@ def printed_shape(
     If the settings ask for none, the preview is computed if rounding changes the design, or if there are needles. If it
     has no law for the fabric or the pattern, the change has the `model` None and the reason in `why`.
 
-    Raises
-    ------
-    LawError
-        The settings ask for a preview, and it has no law for this fabric.
+    Raises LawError: the settings ask for a preview, and it has no law for this fabric.
     """
     preview, simulate = job.settings.preview, job.settings.simulate
     if not (simulate or preview or job.is_rounded or (job.needles and job.shape is None)):
@@ -212,10 +209,8 @@ def printed_shape(
 def shape_change(drawn: Shape, printed: Shape, design: Design, plan: Layout, model: str) -> ShapeChangeRecord:
     """Compare the shapes before and after rounding, both as their supports hold them.
 
-    Parameters
-    ----------
-    design, plan : the design and layout before or after rounding; both have the same stars.
-    model : model of both shapes: `exact` or `preview`.
+    `design`, `plan`: the design and layout before or after rounding; both have the same stars; `model`: model of both
+    shapes: `exact` or `preview`.
     """
     supports = plan.support_samples
     off_sheet = off_sheet_mm(plan, min(len(drawn.printed), len(printed.printed)))
@@ -270,15 +265,10 @@ def write_export(
 ) -> ExportRecord:
     """Write everything for printing a job into a directory, all or none; returns the content of export.json.
 
-    Parameters
-    ----------
-    change : change of the shape by rounding, from `printed_shape`; None if it was not computed.
-    formats : further formats of the whole job, from `demanded_formats`.
+    `change`: change of the shape by rounding, from `printed_shape`; None if it was not computed; `formats`: further
+    formats of the whole job, from `demanded_formats`.
 
-    Raises
-    ------
-    OutputError
-        The files cannot be written there.
+    Raises OutputError: the files cannot be written there.
     """
     tiny = tiny_pieces(job.plan, job.plastic.tiny_arm_mm)
     with staged(directory, stale=_stale_files(directory)) as folder:

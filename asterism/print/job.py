@@ -40,35 +40,23 @@ CHECK_SQUARES_MM = (100.0, 80.0, 60.0, 50.0, 40.0, 30.0, 20.0, 10.0, 5.0, 2.0, 1
 
 @dataclass(frozen=True)
 class Job:
-    """A design prepared for a printer.
-
-    Attributes
-    ----------
-    drawn, design : the design as drawn, and with the printer's rounding.
-    settings : thickness and set of the fabric, distance of the needles.
-    drawn_plan, plan : the layouts of both designs, in printed coordinates.
-    printed : terraces of stars and drawn rods, in printed coordinates.
-    placement : motion from printed coordinates to those of the sheets.
-    border : the line to cut along, in sheet coordinates; None if it is switched off or does not fit.
-    shape : the sheet in space whose files are written; None without these files.
-    too_large : why the print does not fit; empty if it fits.
-    glance : the sheet in space from the preview, without files; for heights and warnings only.
-    """
+    """A design prepared for a printer."""
 
     drawn: Design
-    design: Design
+    design: Design  # the drawn one with the printer's rounding
     printer: Printer
     plastic: PlasticProfile
-    settings: ExportSettings
+    settings: ExportSettings  # thickness and set of the fabric, distance of the needles
     rounding: Rounding
-    drawn_plan: Layout
-    plan: Layout
-    printed: tuple[Terrace, ...]
-    placement: BedPlacement
+    drawn_plan: Layout  # of the drawn design, in printed coordinates
+    plan: Layout  # of the rounded design, in printed coordinates
+    printed: tuple[Terrace, ...]  # terraces of stars and drawn rods, in printed coordinates
+    placement: BedPlacement  # motion from printed coordinates to those of the sheets
+    # the line to cut along, in sheet coordinates; None if it is switched off or does not fit
     border: Terrace | None = None
-    shape: Shape | None = None
-    too_large: str = ""
-    glance: Shape | None = None
+    shape: Shape | None = None  # the sheet in space whose files are written; None without these files
+    too_large: str = ""  # why the print does not fit; empty if it fits
+    glance: Shape | None = None  # the sheet in space from the preview, without files; for heights and warnings only
 
     @cached_property
     def arms(self) -> list[Piece]:
@@ -255,16 +243,11 @@ def prepare(
 ) -> Job:
     """Round a design for a printer and place it on the bed.
 
-    Parameters
-    ----------
-    settings : fabric, border, turn and needles.
-    shape : the sheet in space.
-    any_size : accept a print that does not fit, with the reason in `too_large`.
+    `settings`: fabric, border, turn and needles; `shape`: the sheet in space; `any_size`: accept a print that does not
+    fit, with the reason in `too_large`.
 
-    Raises
-    ------
-    DesignError
-        The print does not fit the bed or the frame, its rounded arms overlap, or a value is out of range.
+    Raises DesignError: the print does not fit the bed or the frame, its rounded arms overlap, or a value is out of
+    range.
     """
     settings = ExportSettings() if settings is None else settings
     fabric_mm, turn_deg = settings.fabric_mm, settings.turn_deg

@@ -23,23 +23,15 @@ HOLE_DIAMETER_MM = 1.0
 
 @dataclass(frozen=True)
 class Needle:
-    """One needle.
+    """One needle."""
 
-    Attributes
-    ----------
-    number : number in all drawings, from 1.
-    printed : (2,) mm, place in printed coordinates.
-    place : (3,) mm, place in space; None if the sheet slides in the plane and its shape is not known. z is not a number
-        if the sheet slides along z and its shape is not known.
-    slides : `z` or `plane` if the sheet is free to slide, otherwise empty.
-    step : step of the design at which the needle is set.
-    """
-
-    number: int
-    printed: Floats
+    number: int  # number in all drawings, from 1
+    printed: Floats  # (2,) mm, place in printed coordinates
+    # (3,) mm, place in space; None if the sheet slides in the plane and its shape is not known. z is not a number if
+    # the sheet slides along z and its shape is not known.
     place: Floats | None
-    slides: str
-    step: int
+    slides: str  # `z` or `plane` if the sheet is free to slide, otherwise empty
+    step: int  # step of the design at which the needle is set
 
     @property
     def height_mm(self) -> float | None:

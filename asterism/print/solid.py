@@ -20,18 +20,11 @@ GRID_MM = 1e-3
 
 @dataclass(frozen=True)
 class Solid:
-    """A closed surface.
+    """A closed surface."""
 
-    Attributes
-    ----------
-    name : name in slicers.
-    points : (n, 3) mm.
-    triangles : (m, 3), counterclockwise from outside.
-    """
-
-    name: str
-    points: Floats
-    triangles: Ints
+    name: str  # name in slicers
+    points: Floats  # (n, 3) mm
+    triangles: Ints  # (m, 3), counterclockwise from outside
 
     @property
     def volume_mm3(self) -> float:
@@ -47,16 +40,10 @@ class Solid:
 
 @dataclass(frozen=True)
 class Terrace:
-    """A region of the plane, filled from z = 0 to a height.
+    """A region of the plane, filled from z = 0 to a height."""
 
-    Attributes
-    ----------
-    height_mm : height of the top.
-    region : polygons, mm.
-    """
-
-    height_mm: float
-    region: BaseGeometry
+    height_mm: float  # height of the top
+    region: BaseGeometry  # polygons, mm
 
     def stretched(self, factors: tuple[float, float]) -> Terrace:
         """The terrace with its coordinates times factors along x and y."""
@@ -114,10 +101,7 @@ def terraced_solid(name: str, steps: Sequence[Terrace]) -> Solid:
     Each corner of the plane has points at the heights of all its faces. Walls and roofs use these points only, so that
     they fit together.
 
-    Raises
-    ------
-    ValueError
-        The regions are empty.
+    Raises ValueError: the regions are empty.
     """
     heights = np.array([step.height_mm for step in steps])
     # terraces may have been turned off the grid; their common corners must stay equal
@@ -168,24 +152,14 @@ def _walls(faces: np.ndarray, top: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class Piece:
-    """A part of a rod with one height: an arm, from the centre of its star outwards, or a drawn rod.
+    """A part of a rod with one height: an arm, from the centre of its star outwards, or a drawn rod."""
 
-    Attributes
-    ----------
-    number : of the rod in the layout's graph.
-    points : (n, 2) mm, polyline of the middle line.
-    width : (n,) mm at the points, linear between them.
-    height_mm : printed height.
-    round_ends : whether the beginning and the end are round, because the rod meets others there.
-    side : face of the fabric that carries it: 1 above, -1 below.
-    """
-
-    number: int
-    points: Floats
-    width: Floats
-    height_mm: float
-    round_ends: tuple[bool, bool]
-    side: int = 1
+    number: int  # of the rod in the layout's graph
+    points: Floats  # (n, 2) mm, polyline of the middle line
+    width: Floats  # (n,) mm at the points, linear between them
+    height_mm: float  # printed height
+    round_ends: tuple[bool, bool]  # whether the beginning and the end are round, because the rod meets others there
+    side: int = 1  # face of the fabric that carries it: 1 above, -1 below
 
     @property
     def region(self) -> BaseGeometry:

@@ -48,18 +48,12 @@ _MAX_LIFT_MM = 2.0
 
 @dataclass(frozen=True)
 class FittedSize:
-    """The size of a scan relative to the size in which it fits its shape best.
+    """The size of a scan relative to the size in which it fits its shape best."""
 
-    Attributes
-    ----------
-    ratio : 1.1 if the scan is a tenth too large.
-    rms_mm : rms distance from the shape, if the scan is scaled by 1 / `ratio`.
-    lifted_rms_mm : rms distance in the scan's own size from a surface parallel to the shape, because a scan shows one
-        side of the sheet.
-    """
-
-    ratio: float
-    rms_mm: float
+    ratio: float  # 1.1 if the scan is a tenth too large
+    rms_mm: float  # rms distance from the shape, if the scan is scaled by 1 / `ratio`
+    # rms distance in the scan's own size from a surface parallel to the shape, because a scan shows one side of the
+    # sheet
     lifted_rms_mm: float
 
 
@@ -70,8 +64,6 @@ def fitted_size(shape: Shape, points: Floats, cut_mm: float) -> FittedSize | Non
     from the rim of the shape to the scan, so that a smaller scan does not fit inside. Points farther than `cut_mm`
     belong to other objects.
 
-    References
-    ----------
     Chen and Medioni 1992 (point to plane); Umeyama 1991 (motion with scale).
     """
     surface = NearestOnSurface(shape.positions, shape.triangles)
@@ -156,31 +148,18 @@ _REPEATED_EFFORT = 3
 
 @dataclass(frozen=True)
 class ScanComparison:
-    """A scan compared with a shape.
+    """A scan compared with a shape."""
 
-    Attributes
-    ----------
-    shape : the shape.
-    scan : the scan in its own pose.
-    points : (n, 3) mm, the scan's points after the motion onto the shape.
-    distance : (n,) mm, distance of each point from the shape, positive on its plastic side.
-    triangle : (n,) the nearest triangle of the shape.
-    used : (n,) bool, points that belong to the sheet; others (a table, clamps) are farther than `cut_mm`.
-    covered : (T,) bool, triangles of the shape with points of the scan nearby.
-    poses : all poses of the registration, the best first.
-    size : the size in which the scan fits best; None for a scan of a part.
-    """
-
-    shape: Shape
-    scan: Scan
-    points: Floats
-    distance: Floats
-    triangle: Ints
-    used: np.ndarray
+    shape: Shape  # the shape
+    scan: Scan  # the scan in its own pose
+    points: Floats  # (n, 3) mm, the scan's points after the motion onto the shape
+    distance: Floats  # (n,) mm, distance of each point from the shape, positive on its plastic side
+    triangle: Ints  # (n,) the nearest triangle of the shape
+    used: np.ndarray  # (n,) bool, points that belong to the sheet; others (a table, clamps) are farther than `cut_mm`
     cut_mm: float
-    covered: np.ndarray
-    poses: tuple[Pose, ...]
-    size: FittedSize | None
+    covered: np.ndarray  # (T,) bool, triangles of the shape with points of the scan nearby
+    poses: tuple[Pose, ...]  # all poses of the registration, the best first
+    size: FittedSize | None  # the size in which the scan fits best; None for a scan of a part
 
     @property
     def vertex_distance(self) -> Floats:

@@ -16,18 +16,11 @@ _POINTS_AT_ONCE = 20_000
 
 @dataclass(frozen=True)
 class Nearest:
-    """The nearest points on a surface to some points.
+    """The nearest points on a surface to some points."""
 
-    Attributes
-    ----------
-    places : (n, 3) mm, nearest points on the surface.
-    triangle : (n,) triangles that contain them.
-    distance : (n,) mm, positive on the side of the normals.
-    """
-
-    places: Floats
-    triangle: Ints
-    distance: Floats
+    places: Floats  # (n, 3) mm, nearest points on the surface
+    triangle: Ints  # (n,) triangles that contain them
+    distance: Floats  # (n,) mm, positive on the side of the normals
 
 
 class NearestOnSurface:

@@ -29,31 +29,19 @@ _MAX_COORDINATE = 1e6
 
 @dataclass(frozen=True)
 class Outline:
-    """The largest closed line of a file.
+    """The largest closed line of a file."""
 
-    Attributes
-    ----------
-    corners : (n, 2) mm, y upwards, not closed.
-    lines : number of closed lines in the file.
-    unit : unit of the numbers; None if the file gives its size.
-    """
-
-    corners: Floats
-    lines: int
-    unit: str | None
+    corners: Floats  # (n, 2) mm, y upwards, not closed
+    lines: int  # number of closed lines in the file
+    unit: str | None  # unit of the numbers; None if the file gives its size
 
 
 def read_outline(path: str | Path, unit: str | None = None) -> Outline:
     """The largest closed line in a file.
 
-    Parameters
-    ----------
-    unit : unit of the numbers in a CSV file, and in a drawing without a size; mm by default.
+    `unit`: unit of the numbers in a CSV file, and in a drawing without a size; mm by default.
 
-    Raises
-    ------
-    ScanError, TableError
-        The file is not an outline, or it gives its size and `unit` is given too.
+    Raises ScanError, TableError: the file is not an outline, or it gives its size and `unit` is given too.
     """
     path = Path(path)
     check_file(path)
@@ -109,25 +97,15 @@ _ROTATION_STARTS = 72
 
 @dataclass(frozen=True)
 class OutlineFit:
-    """An outline compared with a silhouette.
+    """An outline compared with a silhouette."""
 
-    Attributes
-    ----------
-    silhouette : (m, 2) mm, outer outline of the shape in the view.
-    outline : (n, 2) mm, the photographed outline after its motion.
-    distance : (k,) mm, distance of points along the outline from the silhouette, positive outside.
-    places : (k, 2) mm, these points.
-    missed : (j,) mm, distance of points along the silhouette from the outline.
-    turn_deg, shift : motion of the outline: rotation and shift (2,) in mm.
-    """
-
-    silhouette: Floats
-    outline: Floats
-    distance: Floats
-    places: Floats
-    missed: Floats
-    turn_deg: float
-    shift: Floats
+    silhouette: Floats  # (m, 2) mm, outer outline of the shape in the view
+    outline: Floats  # (n, 2) mm, the photographed outline after its motion
+    distance: Floats  # (k,) mm, distance of points along the outline from the silhouette, positive outside
+    places: Floats  # (k, 2) mm, these points
+    missed: Floats  # (j,) mm, distance of points along the silhouette from the outline
+    turn_deg: float  # rotation of the outline
+    shift: Floats  # (2,) mm, after the rotation
 
     def distances(self, diameter_mm: float) -> OutlineDistancesRecord:
         """The distances in numbers; percentages refer to the shape's diameter (mm)."""

@@ -28,18 +28,11 @@ SPREAD = attrgetter("spread_mm")
 
 @dataclass(frozen=True)
 class Pose:
-    """The pose of a scan: `points @ rotation.T + shift` lies on the shape.
+    """The pose of a scan: `points @ rotation.T + shift` lies on the shape."""
 
-    Attributes
-    ----------
-    rotation : (d, d), proper; d is 3, or 2 in the plane.
-    shift : (d,) mm.
-    spread_mm : rms distance of the nearest part `1 - trim` of the points.
-    """
-
-    rotation: Floats
-    shift: Floats
-    spread_mm: float
+    rotation: Floats  # (d, d), proper; d is 3, or 2 in the plane
+    shift: Floats  # (d,) mm
+    spread_mm: float  # rms distance of the nearest part `1 - trim` of the points
 
     def __call__(self, points: Floats) -> Floats:
         """(n, d) points of the scan in this pose."""
@@ -60,15 +53,10 @@ def register(
 ) -> list[Pose]:
     """Poses of a scan on a surface, the best first, each at least 15 degrees from the others.
 
-    Parameters
-    ----------
-    points : (n, 3) mm, points of the scan, which shows the whole shape or a part.
-    vertices, triangles : (V, 3) mm and (T, 3) of the shape.
-    trim : largest part of the points that does not belong to the shape.
-    effort : factor of the number of starts.
+    `points`: (n, 3) mm, points of the scan, which shows the whole shape or a part; `vertices`, `triangles`: (V, 3) mm
+    and (T, 3) of the shape; `trim`: largest part of the points that does not belong to the shape; `effort`: factor of
+    the number of starts.
 
-    References
-    ----------
     Chetverikov, Stepanov and Krsek 2005 (trimmed ICP); Chen and Medioni 1992 (point to plane).
     """
     rng = np.random.default_rng(seed)

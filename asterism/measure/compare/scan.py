@@ -45,18 +45,11 @@ def check_file(path: Path, error: Callable[[Path, str], Error] = ScanError) -> N
 
 @dataclass(frozen=True)
 class Scan:
-    """Points on a scanned surface.
+    """Points on a scanned surface."""
 
-    Attributes
-    ----------
-    points : (n, 3) mm, spread evenly over the surface of a mesh, or a selection of the points of a cloud.
-    triangles : number of triangles of the mesh; 0 for a cloud.
-    vertices : number of vertices of the file.
-    """
-
-    points: Floats
-    triangles: int
-    vertices: int
+    points: Floats  # (n, 3) mm, spread evenly over the surface of a mesh, or a selection of the points of a cloud
+    triangles: int  # number of triangles of the mesh; 0 for a cloud
+    vertices: int  # number of vertices of the file
 
 
 def extents(points: Floats) -> Floats:
@@ -90,10 +83,7 @@ def check_size(file: Path, size_mm: float, expected_mm: float, unit: str | None)
 def read_scan(path: str | Path, unit: str = "mm") -> Scan:
     """Read a scan from an OBJ, STL or PLY file.
 
-    Raises
-    ------
-    ScanError
-        The file is not a scan, or it is empty.
+    Raises ScanError: the file is not a scan, or it is empty.
     """
     path = Path(path)
     vertices, triangles = _read(path, ", or in .svg or .csv for an outline")
@@ -111,10 +101,7 @@ def read_scan(path: str | Path, unit: str = "mm") -> Scan:
 def read_surface(path: str | Path) -> tuple[Floats, Ints]:
     """Vertices (V, 3) and triangles (T, 3) of an OBJ, STL or PLY file, in the unit of the file.
 
-    Raises
-    ------
-    ScanError
-        The file holds no surface of triangles.
+    Raises ScanError: the file holds no surface of triangles.
     """
     path = Path(path)
     vertices, triangles = _read(path)

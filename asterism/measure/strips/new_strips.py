@@ -39,20 +39,13 @@ _MIN_LAYER_UM = 40
 
 @dataclass(frozen=True)
 class PrintedStrip:
-    """A strip of plastic.
+    """A strip of plastic."""
 
-    Attributes
-    ----------
-    number : from 1, row by row from the lower left.
-    centre_mm : centre, from the middle of the bed.
-    size_mm : along x and y.
-    direction : to the grain of the fabric, which lies along x; None if the print has one direction.
-    """
-
-    number: int
+    number: int  # from 1, row by row from the lower left
     thickness_mm: float
-    centre_mm: tuple[float, float]
-    size_mm: tuple[float, float]
+    centre_mm: tuple[float, float]  # centre, from the middle of the bed
+    size_mm: tuple[float, float]  # along x and y
+    # to the grain of the fabric, which lies along x; None if the print has one direction
     direction: Direction | None = None
 
 

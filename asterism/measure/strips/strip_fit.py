@@ -33,25 +33,15 @@ FLAT_HEIGHT_MM = 0.5
 
 @dataclass(frozen=True)
 class StripData:
-    """Strips, or means of strips of a kind: one thickness, fabric and stretch. Arrays (n,).
+    """Strips, or means of strips of a kind: one thickness, fabric and stretch. Arrays (n,)."""
 
-    Attributes
-    ----------
-    curvature : 1/mm; 0 for flat strips.
-    sensitivity : 1/mm^2, change of the curvature by a change of the box.
-    limit : 1/mm, bound of errors that repeats share: of flat strips, and of rounding to the marks of a ruler.
-    thickness, fabric : mm, thickness of the plastic and of the fabric.
-    mismatch : 1 - 1/s^2 for the stretch s.
-    count : strips of each mean.
-    """
-
-    curvature: Floats
-    sensitivity: Floats
-    limit: Floats
-    thickness: Floats
-    fabric: Floats
-    mismatch: Floats
-    count: Floats
+    curvature: Floats  # 1/mm; 0 for flat strips
+    sensitivity: Floats  # 1/mm^2, change of the curvature by a change of the box
+    limit: Floats  # 1/mm, bound of errors that repeats share: of flat strips, and of rounding to the marks of a ruler
+    thickness: Floats  # mm, of the plastic
+    fabric: Floats  # mm, thickness of the fabric
+    mismatch: Floats  # 1 - 1/s^2 for the stretch s
+    count: Floats  # strips of each mean
 
     @classmethod
     def of(cls, readings: list[Reading]) -> Self:
@@ -123,22 +113,14 @@ class Interval(NamedTuple):
 
 @dataclass(frozen=True)
 class Solution:
-    """Parameters (p,) of a curve through strips.
-
-    Attributes
-    ----------
-    units : the means that were fitted, or single strips.
-    effect : (p, n) derivatives of the parameters by the curvatures of `units`.
-    variance, freedom : (p,) variances and their degrees of freedom.
-    bound : (p,) largest effect of the errors that repeats share.
-    """
+    """Parameters (p,) of a curve through strips."""
 
     values: Floats
-    units: StripData
-    effect: Floats
-    variance: Floats
-    freedom: Floats
-    bound: Floats
+    units: StripData  # the means that were fitted, or single strips
+    effect: Floats  # (p, n) derivatives of the parameters by the curvatures of `units`
+    variance: Floats  # (p,)
+    freedom: Floats  # (p,) degrees of freedom of the variances
+    bound: Floats  # (p,) largest effect of the errors that repeats share
 
     def interval(self, index: int) -> Interval:
         """The confidence interval of a parameter."""
@@ -168,10 +150,7 @@ class Solution:
 def fit_curve(curve: Curve, start: Floats, strips: StripData) -> Solution:
     """The least squares of a curve of parameters (p,), from `start`.
 
-    Raises
-    ------
-    UndeterminedMaterialError
-        There are no more strips than parameters, or the curve does not follow them.
+    Raises UndeterminedMaterialError: there are no more strips than parameters, or the curve does not follow them.
     """
     kinds = strips.kinds()[0]
     units = kinds if len(kinds.count) > len(start) else strips
@@ -227,26 +206,17 @@ NamedReading = tuple[Reading, str]
 
 @dataclass(frozen=True)
 class StripFit:
-    """The material that fits a table of strips.
-
-    Attributes
-    ----------
-    ratio : E1/E2 for each convention.
-    kappa_bar : one entry a thickness, or a single entry with the key None; empty if it is taken for 0.
-    freedom : degrees of freedom of the interval of E1/E2.
-    used, left_out : readings that are used, and those whose box does not fit the length of the strip.
-    outliers : readings that are used although they are far from the others.
-    warnings : one line for each reason to doubt the numbers.
-    """
+    """The material that fits a table of strips."""
 
     settings: StripFitSettings
-    ratio: dict[StripFormula, Interval]
+    ratio: dict[StripFormula, Interval]  # E1/E2 for each convention
+    # one entry a thickness, or a single entry with the key None; empty if it is taken for 0
     kappa_bar: dict[float | None, Interval]
-    freedom: float
+    freedom: float  # degrees of freedom of the interval of E1/E2
     used: tuple[Reading, ...]
-    left_out: tuple[NamedReading, ...]
-    outliers: tuple[NamedReading, ...]
-    warnings: tuple[str, ...]
+    left_out: tuple[NamedReading, ...]  # readings whose box does not fit the length of the strip
+    outliers: tuple[NamedReading, ...]  # readings that are used although they are far from the others
+    warnings: tuple[str, ...]  # one line for each reason to doubt the numbers
 
     @property
     def found(self) -> Interval:
@@ -291,10 +261,7 @@ def fit_directions(readings: list[Reading], settings: StripFitSettings) -> tuple
 def fit_readings(readings: list[Reading], settings: StripFitSettings) -> StripFit:
     """Fit a material to strips of one direction.
 
-    Raises
-    ------
-    UndeterminedMaterialError
-        The readings do not determine E1/E2.
+    Raises UndeterminedMaterialError: the readings do not determine E1/E2.
     """
     formula, kappa_bar = settings.rest_curvature, settings.kappa_bar
     used = [r for r in readings if not r.left_out]

@@ -41,32 +41,19 @@ _HEIGHT_READING_ERROR_MM = 1.0
 
 @dataclass(frozen=True)
 class Reading:
-    """The measured arc of a strip, with fabric or peeled.
+    """The measured arc of a strip, with fabric or peeled."""
 
-    Attributes
-    ----------
-    strip : name of the strip.
-    row : row of the table; the header is row 1.
-    thickness_mm, length_mm : thickness and length of the plastic.
-    stretch, fabric_thickness_mm : stretch and released thickness of the fabric.
-    peeled : measured without fabric.
-    curvature_per_mm : positive if the plastic is outside; None for a strip that looks flat.
-    left_out : why this reading is not used; None if it is used.
-    step_mm : step of the ruler to which the sides of the box are rounded; 0 if unknown.
-    direction : of the strip to the grain of the fabric; None in tables without directions.
-    """
-
-    strip: str
-    row: int
-    thickness_mm: float
+    strip: str  # name of the strip
+    row: int  # row of the table; the header is row 1
+    thickness_mm: float  # of the plastic
     length_mm: float
-    stretch: float
-    fabric_thickness_mm: float
-    peeled: bool
-    curvature_per_mm: float | None
-    left_out: str | None = None
-    step_mm: float = 0.0
-    direction: Direction | None = None
+    stretch: float  # of the fabric
+    fabric_thickness_mm: float  # of the released fabric
+    peeled: bool  # measured without fabric
+    curvature_per_mm: float | None  # positive if the plastic is outside; None for a strip that looks flat
+    left_out: str | None = None  # why this reading is not used; None if it is used
+    step_mm: float = 0.0  # step of the ruler to which the sides of the box are rounded; 0 if unknown
+    direction: Direction | None = None  # of the strip to the grain of the fabric; None in tables without directions
 
     @property
     def name(self) -> str:
@@ -81,10 +68,7 @@ Measured = tuple[Reading, Box | None]
 def read_strips(path: Path, settings: StripFitSettings) -> list[Reading]:
     """Read the table of measured strips, with the stretch and the thickness of the fabric that it does not have.
 
-    Raises
-    ------
-    TableError
-        The table is wrong; the message names file, row and column.
+    Raises TableError: the table is wrong; the message names file, row and column.
     """
     rows = read_rows(path, STRIP_COLUMNS, ("strip", "thickness_mm", "length_mm"))
     if not rows:

@@ -78,20 +78,8 @@ def rosette_metric(fields: Fields, at: StarPlaces) -> Fields:
 def arm_metric(lam: Floats, along: Floats, directions: Floats) -> Floats:
     """(..., 3) components 11, 22, 12 of the rest metric.
 
-    Parameters
-    ----------
-    lam : (...) contraction of the places.
-    along : (..., N) contraction of the stars half a spacing back along each arm.
-    directions : (N, 2) unit vectors of the arms.
-
-    Examples
-    --------
-    The metric of equal stars is isotropic:
-
-    >>> angles = np.radians([90.0, 210.0, 330.0])
-    >>> directions = np.column_stack([np.cos(angles), np.sin(angles)])
-    >>> arm_metric(np.array(0.8), np.full(3, 0.8), directions).round(6) + 0.0
-    array([0.64, 0.64, 0.  ])
+    `lam`: (...) contraction of the places; `along`: (..., N) contraction of the stars half a spacing back along each
+    arm; `directions`: (N, 2) unit vectors of the arms.
     """
     stretch = (along / np.exp(np.log(along).mean(axis=-1, keepdims=True))) ** 2
     mean = stretch.mean(axis=-1)
@@ -215,9 +203,7 @@ def arm_curvature(at: StarPlaces) -> Floats:
 def rim_curvature_share(layout: Layout, directions: Floats, model: PreviewModel = PREVIEW_MODEL) -> Floats:
     """(S, N) share of the natural curvature that the arms of each star carry into a free rim.
 
-    Parameters
-    ----------
-    directions : (N, 2) unit vectors of the arms.
+    `directions`: (N, 2) unit vectors of the arms.
     """
     part = np.empty((len(layout.centres), len(directions)))
     for k, along in enumerate(directions):
@@ -363,15 +349,7 @@ PARTS = (*CORRECTIONS, BUMPS, KEPT_ARMS)
 def without(part: str) -> PreviewModel:
     """The model with one part turned off.
 
-    Raises
-    ------
-    KeyError
-        `PARTS` has no part of that name.
-
-    Examples
-    --------
-    >>> without("roll axis").off
-    ('roll axis',)
+    Raises KeyError: `PARTS` has no part of that name.
     """
     if part not in PARTS:
         raise KeyError(part)

@@ -32,20 +32,12 @@ OUTLINE_TOLERANCE = 1e-9
 
 
 class CellGrid:
-    """A grid over a sheet and a margin around it, in rows along y.
+    """A grid over a sheet and a margin around it, in rows along y; `step` and `margin` in mm.
 
-    Parameters
-    ----------
-    step : mm between grid points.
-    margin : width of the margin in mm; rounded up to whole steps.
-
-    Attributes
-    ----------
-    origin : (2,) mm, the first grid point. The origin of the lattice is halfway between grid points, so that a star and
-        its mirror image have mirrored grid points.
-    owner : (n, m) star whose cell holds each point, S for bare fabric.
-    count : (n, m) weight of each point: 1 on the sheet, MIN_SHARE_OFF_SHEET elsewhere.
-    ends : (n, m) index, in the row of each point, of the next point with another owner or weight.
+    `origin` (2,) mm is the first grid point. The origin of the lattice is halfway between grid points, so that a star
+    and its mirror image have mirrored ones. For each point, `owner` (n, m) is the star whose cell holds it, S for bare
+    fabric, `count` (n, m) its weight, 1 on the sheet and MIN_SHARE_OFF_SHEET elsewhere, and `ends` (n, m) the index in
+    its row of the next point with another owner or weight.
     """
 
     def __init__(self, layout: Layout, lattice: Lattice, step: float, margin: float) -> None:
@@ -101,10 +93,7 @@ class Shares:
 
     The shares for each of the two widths are computed when they are first needed.
 
-    Parameters
-    ----------
-    cells : smoothed cells of the stars.
-    points : (n, 2) mm, the places.
+    `cells`: smoothed cells of the stars; `points`: (n, 2) mm, the places.
     """
 
     def __init__(self, cells: StarCells, points: Floats) -> None:
@@ -170,15 +159,9 @@ def _rows(of: Floats, like: Floats) -> Floats:
 class StarCells:
     """The smoothed cells of the stars of a layout.
 
-    Parameters
-    ----------
-    layout, lattice : of the design.
-    model : the widths of the Gaussian.
+    `layout`, `lattice`: of the design; `model`: the widths of the Gaussian.
 
-    Attributes
-    ----------
-    widths_mm : the larger and the smaller width.
-    spacing_mm, model : of the stars, and the widths.
+    `widths_mm`: the larger and the smaller width; `spacing_mm`, `model`: of the stars, and the widths.
     """
 
     def __init__(self, layout: Layout, lattice: Lattice, model: PreviewModel = PREVIEW_MODEL) -> None:

@@ -32,36 +32,28 @@ MAX_SIXFOLD_SHARE = 0.7
 
 @dataclass(frozen=True)
 class StarValues:
-    """The law at S stars and at the bare fabric.
+    """The law at S stars and at the bare fabric."""
 
-    Attributes
-    ----------
-    value : each of the law's quantities, (S + 1,); the last entry is the bare fabric's. `c3` is bounded to
-        `MAX_SIXFOLD_SHARE` of `bending/|kappa|`.
-    corrugation : (S + 1, 2, W) mm and mm^2, amplitudes of the law's waves: of the flat cell, and change per curvature.
-    side : (S + 1,) face of the fabric that carries each star: 1 above, -1 below; 1 for bare fabric.
-    sizes : (S, A) sizes of each star's arms (`homogenize.law.axes.AXES`), at which the law is evaluated.
-    outside : one line for each star beyond the law's range; the nearest star in the range replaces it.
-    outside_stars : numbers of these stars.
-    not_scale_separated : numbers of the stars whose sheet would curl to a radius below two thirds of their spacing, in
-        the mean over directions, or around the tube of largest gain with the whole difference between directions.
-    strongly_anisotropic : numbers of the stars whose `c3` exceeds that bound. They curl to one side in some directions,
-        and to the other side, or hardly, in others.
-    tip_heights : (S + 1, 2) mm and mm^2, corrugation at the tips of a star's arms, mean over the arms: flat, and change
-        per curvature.
-    anisotropy : (S + 1, K) differences between directions (`homogenize.law.anisotropy`); those of bending times
-        `anisotropy_share` if they come from the stars alone. K = 0 for most laws.
-    """
-
+    # each of the law's quantities, (S + 1,); the last entry is the bare fabric's. `c3` is bounded to
+    # `MAX_SIXFOLD_SHARE` of `bending/|kappa|`.
     value: dict[str, Floats]
+    # (S + 1, 2, W) mm and mm^2, amplitudes of the law's waves: of the flat cell, and change per curvature
     corrugation: Floats
-    side: Ints
-    sizes: Floats
-    outside: tuple[str, ...]
-    outside_stars: tuple[int, ...]
+    side: Ints  # (S + 1,) face of the fabric that carries each star: 1 above, -1 below; 1 for bare fabric
+    sizes: Floats  # (S, A) sizes of each star's arms (`homogenize.law.axes.AXES`), at which the law is evaluated
+    outside: tuple[str, ...]  # one line for each star beyond the law's range; the nearest star in the range replaces it
+    outside_stars: tuple[int, ...]  # numbers of these stars
+    # numbers of the stars whose sheet would curl to a radius below two thirds of their spacing, in the mean over
+    # directions, or around the tube of largest gain with the whole difference between directions
     not_scale_separated: tuple[int, ...]
+    # numbers of the stars whose `c3` exceeds that bound. They curl to one side in some directions, and to the other
+    # side, or hardly, in others.
     strongly_anisotropic: tuple[int, ...]
+    # (S + 1, 2) mm and mm^2, corrugation at the tips of a star's arms, mean over the arms: flat, and change per
+    # curvature
     tip_heights: Floats
+    # (S + 1, K) differences between directions (`homogenize.law.anisotropy`); those of bending times `anisotropy_share`
+    # if they come from the stars alone. K = 0 for most laws.
     anisotropy: Floats
 
     @property
@@ -81,10 +73,8 @@ class StarValues:
 def star_values(design: Design, layout: Layout, law: StarLaw, model: PreviewModel = PREVIEW_MODEL) -> StarValues:
     """Evaluate the law at all stars of a design and at bare fabric.
 
-    Raises
-    ------
-    LawError
-        The law is for another material, stretch or lattice, or its value at a star is impossible for a sheet.
+    Raises LawError: the law is for another material, stretch or lattice, or its value at a star is impossible for a
+    sheet.
     """
     sizes = law_coordinates(layout, design.lattice.arms)
     asked = np.vstack([sizes, [0.0, *np.mean(sizes[:, 1:], axis=0)]])
@@ -138,10 +128,7 @@ def _bounded_sixfold(value: dict[str, Floats]) -> tuple[Floats, Bools]:
 def _tip_heights(design: Design, law: StarLaw, length: Floats, corrugation: Floats) -> Floats:
     """`tip_heights` of stars, see `StarValues`.
 
-    Parameters
-    ----------
-    length : (n,) mm, length of the arms.
-    corrugation : (n, 2, W) amplitudes of the law's waves, as in `StarValues`.
+    `length`: (n,) mm, length of the arms; `corrugation`: (n, 2, W) amplitudes of the law's waves, as in `StarValues`.
     """
     lattice = design.lattice
     reach = np.minimum(length, CELL_RADIUS * lattice.spacing_mm)
@@ -169,46 +156,28 @@ def _check(layout: Layout, where: Sequence[str], value: dict[str, Floats]) -> No
 
 @dataclass(frozen=True)
 class StarShares:
-    """The stars at n places of a sheet: what a change of their sizes leaves as it is.
+    """The stars at n places of a sheet: what a change of their sizes leaves as it is."""
 
-    Attributes
-    ----------
-    shares : of the stars at the places.
-    shape : shape of the fields, (T, Q) with n = T Q.
-    directions : (N, 2) unit vectors of the arms of a star.
-    arms : for each of them the shares half a spacing back along it.
-    normals : (n, 2) normals of free sides (`asterism.previews.fields.sheet_fields.free_normals`).
-    carried : (S, N) share of the natural curvature that arms carry into a free rim; None for supported sheets.
-    spacing_mm : of the stars.
-    model : constants of the preview.
-    """
-
-    shares: Shares
-    shape: tuple[int, ...]
-    directions: Floats = field(default_factory=lambda: np.empty((0, 2)))
-    arms: Sequence[Shares] = ()
-    normals: Floats | None = None
+    shares: Shares  # of the stars at the places
+    shape: tuple[int, ...]  # shape of the fields, (T, Q) with n = T Q
+    directions: Floats = field(default_factory=lambda: np.empty((0, 2)))  # (N, 2) unit vectors of the arms of a star
+    arms: Sequence[Shares] = ()  # for each of them the shares half a spacing back along it
+    normals: Floats | None = None  # (n, 2) normals of free sides (`asterism.previews.fields.sheet_fields.free_normals`)
+    # (S, N) share of the natural curvature that arms carry into a free rim; None for supported sheets
     carried: Floats | None = None
-    spacing_mm: float = DEFAULT_SPACING_MM
-    model: PreviewModel = PREVIEW_MODEL
+    spacing_mm: float = DEFAULT_SPACING_MM  # of the stars
+    model: PreviewModel = PREVIEW_MODEL  # constants of the preview
 
 
 @dataclass(frozen=True)
 class StarPlaces:
-    """The law at these places, from which fields are computed.
+    """The law at these places, from which fields are computed."""
 
-    Attributes
-    ----------
-    stars : at the places.
-    values : the law at the stars.
-    softness : (T, Q) around supported points (`asterism.previews.point_pins`); None for sheets without.
-    has_grain : the fabric is orthotropic.
-    """
-
-    stars: StarShares
-    values: StarValues
+    stars: StarShares  # at the places
+    values: StarValues  # the law at the stars
+    # (T, Q) around supported points (`asterism.previews.point_pins`); None for sheets without
     softness: Floats | None = None
-    has_grain: bool = False
+    has_grain: bool = False  # the fabric is orthotropic
 
     @property
     def shape(self) -> tuple[int, ...]:
@@ -253,10 +222,7 @@ def rosette(along: Floats, directions: Floats) -> Floats:
 
     For four directions, which are opposite in pairs, it is half of that.
 
-    Parameters
-    ----------
-    along : (..., N) values s_k along the directions; m is their mean.
-    directions : (N, 2) unit vectors d_k.
+    `along`: (..., N) values s_k along the directions; m is their mean; `directions`: (N, 2) unit vectors d_k.
     """
     x, y = directions.T
     rest = (2.0 if len(directions) == 4 else 4.0) / len(directions) * (along - along.mean(axis=-1, keepdims=True))

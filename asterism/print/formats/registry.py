@@ -17,26 +17,17 @@ Writer = TypeVar("Writer", bound=Callable[..., None])
 
 @dataclass(frozen=True)
 class ExportFormat:
-    """A file format.
+    """A file format."""
 
-    Attributes
-    ----------
-    name : name in messages.
-    suffix : end of its file names, with the point.
-    kind : content of a file: one `solid`, all solids of a `print`, one `drawing`, drawings as `pages`, the needles as a
-        `table`, stars and rods as a `script`, the sheet in space as a `shape`, or both as a `model`, which is
-        written on demand.
-    write : function that writes one file.
-    package : optional package that writes it; empty if it needs none.
-    hint : how to install that package.
-    """
-
-    name: str
-    suffix: str
+    name: str  # name in messages
+    suffix: str  # end of its file names, with the point
+    # content of a file: one `solid`, all solids of a `print`, one `drawing`, drawings as `pages`, the needles as a
+    # `table`, stars and rods as a `script`, the sheet in space as a `shape`, or both as a `model`, which is written on
+    # demand
     kind: FormatKind
-    write: Callable[..., None]
-    package: str = ""
-    hint: str = ""
+    write: Callable[..., None]  # function that writes one file
+    package: str = ""  # optional package that writes it; empty if it needs none
+    hint: str = ""  # how to install that package
 
     @property
     def problem(self) -> str:
