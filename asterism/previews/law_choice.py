@@ -24,8 +24,6 @@ if TYPE_CHECKING:
     from asterism.homogenize.campaign.campaign import SolveCell
     from asterism.homogenize.campaign.workers import CampaignProgress
 
-EXACT_ADVICE = "use the exact model: asterism simulate"
-
 
 @cache
 def paper_law() -> StarLaw:
@@ -128,7 +126,8 @@ def _learned_law(
             forget_oldest(folder)
         return fit_law(plan, records)
     except CampaignError as error:
-        if design.rods is None:
-            raise LawError(f"{error}; {EXACT_ADVICE}") from None
-        message = problem_of_motif(next((record.failed for record in records if record.failed), str(error)))
-        raise LawError(f"{message}; {EXACT_ADVICE}", field=leading_field(message)) from None
+        message, field = str(error), ""
+        if design.rods is not None:
+            message = problem_of_motif(next((record.failed for record in records if record.failed), message))
+            field = leading_field(message)
+        raise LawError(f"{message}; use the exact model: asterism simulate", field=field) from None

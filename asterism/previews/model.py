@@ -9,9 +9,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-# parts of the shape that is shown (`sheet.StarLens`); the others are the corrections of `fields/sheet_fields.py`
-BUMPS, KEPT_ARMS = "bumps", "arms that keep their length"
-
 
 @dataclass(frozen=True)
 class PreviewModel:

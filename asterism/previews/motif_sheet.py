@@ -97,10 +97,6 @@ def fabric_tension(fabric: Fabric, metric: Floats) -> Floats:
     return term(np.zeros((places.shape[1], 6)))[1][:, :3].reshape(metric.shape)
 
 
-# most of the modulus at which the bending energy becomes indefinite; only sheets with far wider rims have more
-MAX_GAUSSIAN_FACTOR = 5.0
-
-
 @dataclass(frozen=True, eq=False)
 class MotifSheetValues:
     """The law of a design's motif, evaluated with the sizes that the rods have at each place."""
@@ -193,7 +189,8 @@ class MotifSheet(PrintSheet):
         tension = fabric_tension(self.design.fabric, metric).reshape(-1, 3)
         modulus = self.rims.gaussian(tension, self.points).reshape(self.bare.shape)
         low, high = gaussian_limits(stiffness[..., 3:, 3:])
-        return np.asarray(np.clip(modulus, MAX_GAUSSIAN_FACTOR * low, MAX_GAUSSIAN_FACTOR * high))
+        # at the limits the bending energy becomes indefinite; only sheets with far wider rims have five times as much
+        return np.asarray(np.clip(modulus, 5.0 * low, 5.0 * high))
 
     def doubts(self) -> Iterator[str]:
         """Rods that the law does not describe, and rims and holes that the preview describes roughly."""
@@ -266,10 +263,6 @@ def fabric_bending(fabric: Fabric) -> Floats:
     return np.asarray(stiffness / np.prod(fabric.stretch_xy))
 
 
-# points along each lattice vector at which the endless pattern is sampled
-SAMPLES = 40
-# copies of the motif on each side of a cell
-COPIES = 2
 # relative: places at the reach but for rounding belong to the pattern
 REACH_TOLERANCE = 1e-3
 
@@ -277,11 +270,11 @@ REACH_TOLERANCE = 1e-3
 def reach_mm(design: Design) -> float:
     """Largest distance of a place of the endless pattern from its nearest rod."""
     vectors = np.asarray(design.lattice.vectors)
-    steps = np.arange(-COPIES, COPIES + 1)
+    steps = np.arange(-2, 3)  # of the copies of the motif around a cell
     shifts = np.stack(np.meshgrid(steps, steps, indexing="ij"), axis=-1).reshape(-1, 2) @ vectors
     lines = [polyline(line, design.required_rods.curve_mm) for line in design.required_rods.motif]
     drawn = shapely.MultiLineString([line + shift for shift in shifts for line in lines])
-    parts = np.arange(SAMPLES) / SAMPLES
+    parts = np.arange(40) / 40
     places = np.stack(np.meshgrid(parts, parts, indexing="ij"), axis=-1).reshape(-1, 2) @ vectors
     return float(shapely.distance(drawn, shapely.points(places)).max())
 

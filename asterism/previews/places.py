@@ -13,7 +13,6 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Floats
 from asterism.fem.elements.argyris import Evaluation
-from asterism.pattern.mesh.mesh import Mesh
 
 
 @dataclass(frozen=True)
@@ -93,11 +92,3 @@ class SheetLens:
     def __call__(self, x: Floats) -> Places:
         """The positions of the points for degrees of freedom x (N, 3) of the shell."""
         return Places.at(self._at, x)
-
-
-@dataclass(frozen=True)
-class ShownSheet:
-    """The triangles of a preview's shape, and the lens that computes the positions of their vertices."""
-
-    mesh: Mesh
-    lens: SheetLens

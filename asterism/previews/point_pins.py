@@ -69,11 +69,8 @@ def stretched_fabric(fields: Fields, stiffness: Floats, bare: Floats) -> EnergyT
     return beyond
 
 
-# radius of the softer spot at a pin, in edges of the shell: p. It and the tables follow from wedges of bare fabric:
-# pytest tests/asterism/previews/test_point_pins.py
-SPOT_RADIUS = 0.35
 # angles of the sheet at a pin in degrees; there, what the shell's vertex lacks in compliance, d - c, and the compliance
-# that a softness of one adds, g
+# that a softness of one adds, g: from wedges of bare fabric, as in pytest tests/asterism/previews/test_point_pins.py
 ANGLES_DEG = (45.0, 60.0, 90.0, 120.0, 150.0, 180.0, 270.0, 360.0)
 LACK = (2.90, 2.81, 2.53, 1.71, 1.48, 1.38, 0.97, 0.86)
 GAIN = (2.82, 2.67, 2.30, 1.49, 1.14, 0.93, 0.59, 0.74)
@@ -96,8 +93,8 @@ def softness(mesh: SheetMesh, pins: Floats, points: Floats, edge_mm: float) -> F
 
 
 def spot(pin: Floats, edge_mm: float, points: Floats) -> Floats:
-    """(...,) the Gaussian `exp(-r^2/(p L)^2)` at points (..., 2) mm around a pin (2,), with L = `edge_mm`."""
-    return np.asarray(np.exp(-((points - pin) ** 2).sum(axis=-1) / (SPOT_RADIUS * edge_mm) ** 2))
+    """(...,) the Gaussian `exp(-r^2/(p L)^2)` at points (..., 2) mm around a pin (2,), with L = `edge_mm`, p = 0.35."""
+    return np.asarray(np.exp(-((points - pin) ** 2).sum(axis=-1) / (0.35 * edge_mm) ** 2))
 
 
 def amounts_of(edges: Floats, angles_deg: Floats, edge_mm: float) -> Floats:

@@ -34,16 +34,12 @@ from asterism.pattern.design.errors import DesignError
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.supports import PinSet
 from asterism.pattern.layout.symmetries import Symmetry, symmetries
+from asterism.pattern.mesh.mesh import Mesh
 from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.pattern.mesh.sheet_mesh import SheetMesh, sheet_mesh
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
-from asterism.previews.places import SheetLens, ShownSheet
+from asterism.previews.places import SheetLens
 from asterism.previews.point_pins import softness
-
-# edge length of the shell's mesh, in spacings of the lattice
-EDGE_SPACINGS = 1.3
-MIN_TRIANGLES = 24
-EQUILATERAL = 0.25 * 3.0**0.5  # area of a triangle over its squared edge
 
 
 @dataclass(eq=False)
@@ -70,14 +66,15 @@ class PrintSheet(ABC):
     ) -> Self:
         """The sheet of a design with its layout and its law.
 
-        `triangles`: approximate number of triangles; by default the edges are `EDGE_SPACINGS` spacings long, within
-        limits of the number of triangles.
+        `triangles`: approximate number of triangles; by default the edges are 1.3 spacings long, within limits of the
+        number of triangles.
 
         Raises MeshError: the outline cannot be meshed.
         """
-        usual = layout.area_mm2 / (EQUILATERAL * (EDGE_SPACINGS * design.lattice.spacing_mm) ** 2)
-        count = triangles or np.clip(usual, MIN_TRIANGLES, cls.most_triangles)
-        edge = float(np.sqrt(layout.area_mm2 / count / EQUILATERAL))
+        equilateral = 0.25 * 3.0**0.5  # area of a triangle over its squared edge
+        usual = layout.area_mm2 / (equilateral * (1.3 * design.lattice.spacing_mm) ** 2)
+        count = triangles or np.clip(usual, 24, cls.most_triangles)
+        edge = float(np.sqrt(layout.area_mm2 / count / equilateral))
         mesh = sheet_mesh(layout.outline, edge, layout.pin_points, layout.supported_edge_groups, layout.holes)
         space = Argyris(MeshTri(np.ascontiguousarray(mesh.points.T), np.ascontiguousarray(mesh.triangles.T)))
         return cls(design, layout, law, model, triangles, mesh, space, space.tabulate(QUADRATURE_ORDER))
@@ -134,8 +131,8 @@ class PrintSheet(ABC):
         meshes = [(each.mesh, each.usual_edge_mm) for each in (before.design, self.design)]
         if meshes[0] == meshes[1]:
             self.pin_softness = before.pin_softness
-            if "shown" in vars(before) and before.has_rods_of(self.layout):
-                self.shown = replace(before.shown, lens=before.shown.lens.renewed(self))
+            if "shown_lens" in vars(before) and before.has_rods_of(self.layout):
+                self.shown_mesh, self.shown_lens = before.shown_mesh, before.shown_lens.renewed(self)
 
     @abstractmethod
     def has_rods_of(self, layout: Layout) -> bool:
@@ -163,15 +160,16 @@ class PrintSheet(ABC):
         return symmetries(self.design, self.layout)
 
     @cached_property
-    def shown(self) -> ShownSheet:
-        """Triangles to show, with rods along their edges, and the lens of their vertices.
-
-        Edges have the length of the design's, but at least `shown_edge` spacings.
-        """
+    def shown_mesh(self) -> Mesh:
+        """Triangles to show, with rods along edges as long as the design's, but at least `shown_edge` spacings."""
         design = self.design
         edge = max(design.usual_edge_mm, self.shown_edge * design.lattice.spacing_mm)
-        mesh = mesh_layout(self.layout, edge, design.mesh.kind, design.mesh.seed, draft=True)
-        return ShownSheet(mesh, self.lens(mesh.points))
+        return mesh_layout(self.layout, edge, design.mesh.kind, design.mesh.seed, draft=True)
+
+    @cached_property
+    def shown_lens(self) -> SheetLens:
+        """The lens of the vertices of these triangles."""
+        return self.lens(self.shown_mesh.points)
 
     @cached_property
     def pin_softness(self) -> Floats | None:

@@ -48,10 +48,6 @@ from asterism.pattern.geometry.rigid_fit import rigid_fit
 
 # two minima count as one form if their energies differ by less than this share
 EQUAL_ENERGY = 1e-3
-# % of the diameter: with a larger second amplitude the search tries further initial guesses; chosen by hand
-SECOND_AMPLITUDE_PERCENT = 18.0
-# the same for supported sheets, which are perturbed; chosen by hand
-PERTURBED_AMPLITUDE_PERCENT = 10.0
 # sheets with a smaller ratio of supported size to natural size may buckle
 MIN_SIZE_RATIO = 0.95
 # kinds of initial guesses with an axis; caps are the others that are not flat
@@ -59,9 +55,12 @@ ROLLED = {"arc", "bent", "saddle"}
 
 
 def is_equilibrium_near_another(
-    shell: Shell, equilibrium: ShellEquilibrium, size: float, percent: float = SECOND_AMPLITUDE_PERCENT
+    shell: Shell, equilibrium: ShellEquilibrium, size: float, percent: float = 18.0
 ) -> bool:
-    """Whether a sheet with a diameter of about `size` mm has two modes with amplitudes above `percent`."""
+    """Whether a sheet with a diameter of about `size` mm has two modes with amplitudes above `percent`.
+
+    With larger ones the search tries further starts; the limit is chosen by hand.
+    """
     if len(equilibrium.soft_modes) < 2:
         return False
     # smaller and negative eigenvalues are replaced by this one
@@ -82,22 +81,21 @@ def is_inverted(shell: Shell, x: Floats, side: Side) -> bool:
     return bool(heights.min() < -FLAT_SAG_MM and heights.max() < 0.1 * -heights.min())
 
 
-@dataclass(frozen=True)
-class SheetTraits:
-    """Properties of a sheet that determine the initial guesses."""
-
-    has_equal_stars: bool = False  # whether all stars have one size
-    has_tight_curls: bool = False  # whether many stars are not scale-separated
-    # (2, 2) rotations and mirrors of the design's symmetries; axes that they make equal count once
-    turns: Sequence[Floats] = ()
-
-
-def find_equilibrium(shell: Shell, factor: Factor, side: Side, traits: SheetTraits) -> ShellEquilibrium:
+def find_equilibrium(
+    shell: Shell,
+    factor: Factor,
+    side: Side,
+    has_equal_stars: bool = False,
+    has_tight_curls: bool = False,
+    turns: Sequence[Floats] = (),
+) -> ShellEquilibrium:
     """The lowest minimum that the guesses lead to, on the side that is asked for if one is reached there.
 
-    The factor then holds the exact Hessian at the equilibrium, if that is definite.
+    `has_equal_stars`: whether all stars have one size; `has_tight_curls`: whether many of them are not scale-separated;
+    `turns`: (2, 2) rotations and mirrors of the design's symmetries; axes that they make equal count once. The factor
+    then holds the exact Hessian at the equilibrium, if that is definite.
     """
-    search = _Search(shell, factor, side, traits)
+    search = _Search(shell, factor, side, has_equal_stars, has_tight_curls, turns)
     equilibrium = search.lowest_on_any_side()
     if side == "auto" or side_of(shell, equilibrium.x) == side:
         return equilibrium
@@ -111,7 +109,9 @@ class _Search:
     shell: Shell
     factor: Factor
     side: Side
-    traits: SheetTraits
+    has_equal_stars: bool
+    has_tight_curls: bool
+    turns: Sequence[Floats]
 
     @cached_property
     def means(self) -> MeanFields:
@@ -123,7 +123,7 @@ class _Search:
         return [shape for shape in shapes if shape.name in names or not names]
 
     def relax(self, shapes: Sequence[SimpleShape] | None = None, **limits: Any) -> ShellEquilibrium:
-        return relax(self.shell, self.factor, self.side, shapes, symmetries=self.traits.turns, **limits)
+        return relax(self.shell, self.factor, self.side, shapes, symmetries=self.turns, **limits)
 
     def lowest_on_side(self, equilibrium: ShellEquilibrium) -> ShellEquilibrium:
         """The lowest minimum on the side, from guesses there if none was met yet; `equilibrium` if it has none."""
@@ -149,7 +149,7 @@ class _Search:
         shell, means, natural_size = self.shell, self.means, self.means.stretch * self.shell.extent
         if len(shell.fixed_points) == 0:
             # a free sheet of equal stars whose natural turn from side to side is larger is a tube; caps are not tried
-            if self.traits.has_equal_stars and abs(means.curvature) * natural_size > 3.0:
+            if self.has_equal_stars and abs(means.curvature) * natural_size > 3.0:
                 tube = self.relax(self.guesses("arc", "flat"), max_guesses=1)
                 if tube.is_minimum:
                     return tube
@@ -160,7 +160,7 @@ class _Search:
             equilibrium = self._lowest(equilibrium, [self.relax(self.guesses("flat"), max_guesses=1)])
         if not equilibrium.is_minimum:
             return equilibrium
-        is_soft = is_equilibrium_near_another(shell, equilibrium, natural_size, PERTURBED_AMPLITUDE_PERCENT)
+        is_soft = is_equilibrium_near_another(shell, equilibrium, natural_size, percent=10.0)  # chosen by hand
         if is_soft:
             equilibrium = self._perturbed(equilibrium)
         return self._buckled(equilibrium, is_soft) if is_narrow(means) else equilibrium
@@ -173,10 +173,10 @@ class _Search:
             tried |= ROLLED  # these have been tried in several directions
         offers: list[list[SimpleShape]] = []
         caps = self.guesses("cap")
-        if self.traits.has_tight_curls and caps and "cap" not in tried:
+        if self.has_tight_curls and caps and "cap" not in tried:
             # curvatures of the caps that are tried, over the curvature of the last cap among the guesses
             offers = [[replace(caps[-1], curvature=share * caps[-1].curvature)] for share in (1.0, 0.7)]
-        elif len(self.traits.turns) <= 1 and is_equilibrium_near_another(self.shell, equilibrium, natural_size):
+        elif len(self.turns) <= 1 and is_equilibrium_near_another(self.shell, equilibrium, natural_size):
             rest = [shape for shape in self.guesses() if shape.name not in tried]
             # by the direction of the axis, in three sectors of 60 degrees; caps are in the first one
             offers = [[shape for shape in rest if int(3.0 * shape.angle / np.pi) == third] for third in range(3)]
@@ -249,10 +249,6 @@ class _Search:
         return replace(best, trials=equilibrium.trials + tuple(trial for other in others for trial in other.trials))
 
 
-# number of steps in which supported degrees of freedom move to their places
-SUPPORT_STEPS = 6
-
-
 def apply_supports(shell: Shell, factor: Factor, x: Floats, was_free: bool) -> ShellEquilibrium:
     """The equilibrium with the shell's supports, from a state x (N, 3) mm that does not meet all of them.
 
@@ -262,8 +258,8 @@ def apply_supports(shell: Shell, factor: Factor, x: Floats, was_free: bool) -> S
     if was_free:
         x = _laid_on_supports(shell, x, target.reshape(-1, 3))
     start = x.ravel() - shell.reduction.map @ shell.reduction.project(x)
-    for step in range(1, SUPPORT_STEPS + 1):
-        share = step / SUPPORT_STEPS
+    # the supported degrees of freedom move to their places in steps
+    for share in np.arange(1, 7) / 6:
         moved = shell.with_target((1.0 - share) * start + share * target)
         equilibrium = follow(moved, moved.constrain(x), factor, "pins take hold")
         x = equilibrium.x

@@ -109,11 +109,6 @@ class Stage:
     x: Floats
 
 
-# largest number of triangles that the caller may give, which limits the memory
-MAX_ASKED_TRIANGLES = 10_000
-OTHER_SIDE: dict[Side, Side] = {"down": "up", "up": "down"}
-
-
 class Preview:
     """The homogenised shape of a design, with its state kept for edits.
 
@@ -171,10 +166,8 @@ class Preview:
         max_seconds: float | None = None,
     ) -> None:
         check_side(side)
-        if triangles is not None and not (is_whole(triangles) and 1 <= triangles <= MAX_ASKED_TRIANGLES):
-            raise ValueError(
-                f"triangles = {triangles!r}: must be a whole number, at least 1 and at most {MAX_ASKED_TRIANGLES}"
-            )
+        if triangles is not None and not (is_whole(triangles) and 1 <= triangles <= 10_000):  # more take much memory
+            raise ValueError(f"triangles = {triangles!r}: must be a whole number, at least 1 and at most 10000")
         self._given_law, self._triangles = law, triangles
         self._say, self._check = say or ignore_line, check
         self._watch = Watch(check, max_seconds)
@@ -328,7 +321,7 @@ class Preview:
         state = self.state
         side = side_of(state.shell, state.equilibrium.x)
         side = mean_fields(state.shell).side if side == "auto" else side
-        flipped = state.restarted(self._clock, OTHER_SIDE[side])
+        flipped = state.restarted(self._clock, "up" if side == "down" else "down")
         if side_of(flipped.shell, flipped.equilibrium.x) != flipped.side:
             return side
         self.state = flipped

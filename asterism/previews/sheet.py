@@ -55,8 +55,8 @@ from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
 from asterism.previews.fields.sheet_fields import free_normals, rim_curvature_share, sheet_fields
 from asterism.previews.fields.star_cells import Shares, StarCells, beside, stars_share
-from asterism.previews.fields.star_values import StarPlaces, StarShares, StarValues, star_values
-from asterism.previews.model import BUMPS, KEPT_ARMS, PreviewModel
+from asterism.previews.fields.star_values import StarPlaces, StarValues, star_values
+from asterism.previews.model import PreviewModel
 from asterism.previews.places import Places, SheetLens
 from asterism.previews.print_sheet import PrintSheet
 from asterism.results.words import PlacedWarning, star_numbers
@@ -84,7 +84,7 @@ class StarLens(SheetLens):
         """The positions of the points for degrees of freedom x (N, 3) of the shell."""
         smooth, sheet = super().__call__(x), self.sheet
         values, off = sheet.values, sheet.model.off
-        if BUMPS in off:
+        if "bumps" in off:
             return smooth
         weights = self._shares(values.sizes[:, 0])
         rim = 2.0 * smooth.mean_curvature, self._nearest, sheet.layout.spacing_mm
@@ -92,7 +92,7 @@ class StarLens(SheetLens):
         if sheet.layout.pins:
             heights *= flattening(values, weights, smooth.area)
         bumps = heights[:, None] * smooth.normals
-        if KEPT_ARMS not in off:
+        if "arms that keep their length" not in off:
             bumps += smooth.moved(self._arm_shares.along @ sheet.arms.moves(x))
         return replace(smooth, bumps=bumps)
 
@@ -154,12 +154,6 @@ def _shared(weights: sp.csr_matrix, values: Floats) -> Floats:
 # pytest tests/asterism/previews/test_arms.py
 FABRIC_BESIDE_ARM = 0.15
 FABRIC_BEYOND_TIP = 0.25
-# the crease of exp(-q/b) on the arm is rounded over this multiple of b
-CREASE_ROUNDING = 0.1
-# fabric beyond a tip follows the arm up to this multiple of b
-DECAY_LENGTHS = 4.0
-# shorter lengths are replaced by this one in divisions
-MIN_LENGTH_MM = 1e-9
 
 
 class Arms:
@@ -172,9 +166,9 @@ class Arms:
     def __init__(self, layout: Layout, space: Argyris) -> None:
         self.layout, self.tip = layout, layout.arm_tip
         self.centre = layout.centres[layout.arm_star]
-        self.length = np.maximum(layout.arm_length, MIN_LENGTH_MM)
+        self.length = np.maximum(layout.arm_length, 1e-9)  # it divides
         self.direction = (self.tip - self.centre) / self.length[:, None]
-        self.room = np.maximum(layout.distance_to_supports(self.tip), MIN_LENGTH_MM)
+        self.room = np.maximum(layout.distance_to_supports(self.tip), 1e-9)
         self._at_tips = space.locate(self.tip)
 
     def moves(self, x: Floats) -> Floats:
@@ -183,7 +177,7 @@ class Arms:
         stretch = np.linalg.norm(np.einsum("ai,aic->ac", self.direction, tangents), axis=1)
         # share of the distance to a support that a tip moves at most; origin unknown
         excess = np.clip((1.0 - stretch) * self.length, 0.0, 0.25 * self.room)
-        return np.asarray((excess / np.maximum(stretch, MIN_LENGTH_MM))[:, None] * self.direction)
+        return np.asarray((excess / np.maximum(stretch, 1e-9))[:, None] * self.direction)
 
 
 @dataclass(frozen=True, eq=False)
@@ -204,7 +198,8 @@ def arm_shares(arms: Arms, points: Floats, before: ArmShares | None = None) -> A
     the same are used again.
     """
     beside, beyond = (b * arms.layout.spacing_mm for b in (FABRIC_BESIDE_ARM, FABRIC_BEYOND_TIP))
-    reach, pins = 0.5 * float(arms.length.max()) + DECAY_LENGTHS * beyond, arms.layout.pin_points
+    # fabric follows up to four times the length in which it does so by 1/e
+    reach, pins = 0.5 * float(arms.length.max()) + 4.0 * beyond, arms.layout.pin_points
     known = np.zeros(len(arms.length), dtype=bool)
     if before is None:
         tree, to_pin = cKDTree(points), np.ones(len(points))
@@ -225,7 +220,8 @@ def arm_shares(arms: Arms, points: Floats, before: ArmShares | None = None) -> A
     arm, point, along = arm[follows], point[follows], along[follows]
     length = arms.length[arm]
     part, ahead = np.minimum(along / length, 1.0), np.maximum(along - length, 0.0)
-    near = np.exp(CREASE_ROUNDING - np.sqrt(CREASE_ROUNDING**2 + (aside / beside) ** 2 + (ahead / beyond) ** 2))
+    crease = 0.1  # over this multiple of b, the crease of exp(-q/b) on the arm is rounded
+    near = np.exp(crease - np.sqrt(crease**2 + (aside / beside) ** 2 + (ahead / beyond) ** 2))
     near *= np.maximum(1.0 - np.sqrt(aside**2 + ahead**2) / arms.room[arm], 0.0) * to_pin[point]
     shares = sp.csc_matrix((part * near, (point, arm)), shape=(len(points), len(known)))
     if before is not None and known.any():
@@ -243,15 +239,16 @@ class Sheet(PrintSheet):
     law: StarLaw
 
     @cached_property
-    def stars(self) -> StarShares:
-        """The stars at the quadrature points."""
+    def stars(self) -> StarPlaces:
+        """The stars at the quadrature points; sheets with stars at the same places share them, whatever their law."""
         layout, lattice, model, points = self.layout, self.design.lattice, self.model, self.points
         # how far back along an arm its star is, in spacings: half way to the next one (`sheet_fields.rosette_metric`)
         cells, back = StarCells(layout, lattice, model), 0.5 * lattice.spacing_mm
         curls = not layout.is_supported_in_plane
-        return StarShares(
+        return StarPlaces(
             Shares(cells, points),
             self.table.weights.shape,
+            self.values,
             lattice.arm_directions,
             [Shares(cells, points - back * arm) for arm in lattice.arm_directions],
             free_normals(layout, points),
@@ -294,8 +291,8 @@ class Sheet(PrintSheet):
 
         Raises LawError: the rest metric is not positive definite: adjacent stars contract too differently.
         """
-        places = StarPlaces(self.stars, values, self.pin_softness, self.design.fabric.is_orthotropic)
-        fields = sheet_fields(places)
+        has_grain = self.design.fabric.is_orthotropic
+        fields = sheet_fields(replace(self.stars, values=values, softness=self.pin_softness, has_grain=has_grain))
         try:
             fields.rest(self.table.points)
         except FieldError as error:
@@ -349,8 +346,7 @@ class Sheet(PrintSheet):
             )
 
 
-# prints that are kept, the last one used at the end: a fine sheet takes about 30 MB
-KEPT_PRINTS = 2
+# the last one used is at the end
 _kept: list[PrintSheet] = []
 
 
@@ -384,10 +380,10 @@ def sheet_for(design: Design, plan: Layout, law: Any, triangles: int | None, mod
 
 
 def keep_print(sheet: PrintSheet) -> None:
-    """Keep the print of a sheet in place of the one that was used least recently; very fine sheets are not kept."""
+    """Keep the print of a sheet in place of the one used last but one; very fine sheets are not kept."""
     if sheet.space.mesh.nelements <= Sheet.most_triangles:
         same = kept_print(sheet.design, sheet.layout, sheet.asked_triangles, sheet.model)
-        _kept[:] = [*(each for each in _kept if each is not same), sheet][-KEPT_PRINTS:]
+        _kept[:] = [*(each for each in _kept if each is not same), sheet][-2:]  # a fine sheet takes about 30 MB
 
 
 def kept_print(design: Design, plan: Layout, triangles: int | None, model: PreviewModel) -> PrintSheet | None:

@@ -28,7 +28,6 @@ pulled at points stretches further. Weight is not bounded in this way either.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import NamedTuple
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -61,7 +60,7 @@ def shown_shape(state: PreviewState) -> Shape:
     The field `bump_mm` holds the vectors from the smooth surface to the shape. Normals, curvatures and strains are
     those of the smooth surface.
     """
-    layout, mesh, places = state.layout, state.sheet.shown.mesh, state.sheet.shown.lens(state.x)
+    layout, mesh, places = state.layout, state.sheet.shown_mesh, state.sheet.shown_lens(state.x)
     star = np.full(len(mesh.points), -1, dtype=np.int64)
     star[mesh.star_vertices] = layout.star_number
     shape = Shape(
@@ -140,8 +139,8 @@ def summary(state: PreviewState, shape: Shape, seconds: dict[str, float]) -> Pre
             for trial in equilibrium.trials
         ],
         other_forms=[form for form, _ in (other_forms(state) if equilibrium.trials else ())],
-        expected_rms_percent=error and error.distance,
-        expected_height_percent=error and error.height * across / height if height else None,
+        expected_rms_percent=error and error[0],
+        expected_height_percent=error and error[1] * across / height if height else None,
         law=LawOriginRecord(
             material=law.plan.design.name,
             stretch=float(state.design.fabric.stretch_xy[0]),
@@ -155,7 +154,7 @@ def summary(state: PreviewState, shape: Shape, seconds: dict[str, float]) -> Pre
         stars_uneven=list(values.strongly_anisotropic) if layout.has_stars else [],
         shell_triangles=state.sheet.space.mesh.nelements,
         dofs=state.shell.reduction.map.shape[1],
-        mesh=state.sheet.shown.mesh.kind,
+        mesh=state.sheet.shown_mesh.kind,
         load_steps=equilibrium.load_steps,
         wall_s=sum(seconds.values()),
         wall_s_by_stage=seconds,
@@ -181,44 +180,26 @@ def equivalent_axes_deg(state: PreviewState, axis_deg: float | None) -> list[flo
     return sorted(axes)
 
 
-class ExpectedError(NamedTuple):
-    """In % of the diameter; nine of ten exact shapes are nearer."""
+def expected_error(state: PreviewState) -> tuple[float, float] | None:
+    """In % of the diameter, the rms distance to the exact shape, and the difference of the heights.
 
-    distance: float  # rms distance to the exact shape
-    height: float  # difference of the heights
-
-
-# without supports that act along the print
-FREE = ExpectedError(4.0, 3.3)
-# held, and under weight
-HEAVY = ExpectedError(5.0, 6.0)
-# held, of at most FEW_STARS, and of more
-HELD_FEW = ExpectedError(5.0, 3.0)
-HELD_MANY = ExpectedError(1.3, 2.1)
-FEW_STARS = 24
-# motifs of drawn rods, free or held: nets roll up about another axis than their previews, or hardly
-MOTIF = ExpectedError(17.0, 5.5)
-# share of the stars or rods: with more of them unlike those of the measured sheets, nothing is stated
-MAX_FOREIGN_SHARE = 0.1
-
-
-def expected_error(state: PreviewState) -> ExpectedError | None:
-    """The estimated error of a state; None with many stars or rods that its law does not describe.
-
-    A sheet that slides on all of its supports counts as free.
+    Nine of ten exact shapes are nearer. None with many stars or rods that the law does not describe. A sheet that
+    slides on all of its supports counts as free.
     """
     layout, values = state.layout, state.sheet.values
-    if not layout.has_stars:
-        return MOTIF if len(values.outside) <= MAX_FOREIGN_SHARE * values.places else None
+    # share of the stars or rods: with more of them unlike those of the measured sheets, nothing is stated
+    most_foreign = 0.1
+    if not layout.has_stars:  # nets roll up about another axis than their previews, or hardly
+        return (17.0, 5.5) if len(values.outside) <= most_foreign * values.places else None
     inverted = int(np.count_nonzero(layout.star_branch < 0))
     stars = len(layout.centres)
-    if max(len(values.outside), len(values.strongly_anisotropic), inverted) > MAX_FOREIGN_SHARE * stars:
+    if max(len(values.outside), len(values.strongly_anisotropic), inverted) > most_foreign * stars:
         return None
     if not state.is_supported:
-        return FREE
+        return 4.0, 3.3
     if state.design.gravity.on:
-        return HEAVY
-    return HELD_FEW if stars <= FEW_STARS else HELD_MANY
+        return 5.0, 6.0
+    return (5.0, 3.0) if stars <= 24 else (1.3, 2.1)
 
 
 def overstretched_stars(shape: Shape, design: Design, layout: Layout) -> Ints:
@@ -233,13 +214,7 @@ def overstretched_stars(shape: Shape, design: Design, layout: Layout) -> Ints:
 
 
 def mean_square_limit(fabric: Fabric, ratio: float = 0.0) -> float:
-    """Upper bound of the mean square stretch from print.
-
-    `ratio`: of the distances of supports in space and in print.
-
-    >>> mean_square_limit(Fabric()), mean_square_limit(Fabric(), ratio=1.2)
-    (1.0, 1.44)
-    """
+    """Upper bound of the mean square stretch from print, for a ratio of distances of supports in space and in print."""
     pull = max(1.0, ratio) ** 2
     square = pull * float(np.prod(fabric.stretch_xy))
     bend = 0.5 * (1.0 - fabric.poisson) / fabric.poisson if fabric.poisson else np.inf  # mu/lam
@@ -298,12 +273,6 @@ def preview_warnings(state: PreviewState, shape: Shape, crossings: int, overstre
         )
 
 
-# a supported sheet is flat because of its pins if its size over its natural size is above MAX_SIZE_RATIO, and its
-# height over its diameter is below MIN_HEIGHT_RATIO
-MAX_SIZE_RATIO = 1.1
-MIN_HEIGHT_RATIO = 0.03
-
-
 def size_ratio(state: PreviewState) -> float:
     """Size that the supports allow over the natural size; inf for a sheet that they do not hold along the print."""
     if not state.is_supported:
@@ -316,7 +285,8 @@ def _about_supports(state: PreviewState, shape: Shape) -> Iterator[str]:
     """Pins that fix too little or stretch the sheet flat, inverted stars, and a requested side that was not reached."""
     layout, ratio = state.layout, size_ratio(state)
     yield from pin_warnings(layout, state.design.gravity.on)
-    if MAX_SIZE_RATIO < ratio < np.inf and shape.height_mm / diameter(shape.positions) < MIN_HEIGHT_RATIO:
+    # its size over its natural size, and its height over its diameter: it is flat because of its pins
+    if 1.1 < ratio < np.inf and shape.height_mm / diameter(shape.positions) < 0.03:
         scale = layout.common_pin_scale
         advice = "" if scale is None else f"; use a scale of about {scale / ratio:.2g} to let it rise"
         yield f"the pins stretch the sheet to {ratio:.2f} times its natural size, so that it is nearly flat{advice}"

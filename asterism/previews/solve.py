@@ -33,7 +33,7 @@ from asterism.pattern.layout.free_motions import FreeMotions, free_motions
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.symmetries import Symmetry, distances_of_images
 from asterism.previews.print_sheet import PrintSheet
-from asterism.previews.search_minima import SheetTraits, apply_supports, find_equilibrium
+from asterism.previews.search_minima import apply_supports, find_equilibrium
 from asterism.results.records.preview import OtherFormRecord
 
 # name of the start of an equilibrium that an edit led to
@@ -76,9 +76,11 @@ class PreviewState:
                 if shell.is_free:
                     with clock("symmetries"):
                         symmetries = sheet.symmetries
-                traits = SheetTraits(values.is_uniform, values.has_tight_curls, [each.turn for each in symmetries])
+                turns = [each.turn for each in symmetries]
                 with clock("equilibrium"):
-                    equilibrium = find_equilibrium(shell, factor, side, traits)
+                    equilibrium = find_equilibrium(
+                        shell, factor, side, values.is_uniform, values.has_tight_curls, turns
+                    )
             else:
                 with clock("pins"):
                     equilibrium = apply_supports(shell, factor, equilibrium.x, was_free)

@@ -25,6 +25,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
+from scipy.linalg import expm
 from scipy.ndimage import label
 from scipy.spatial import cKDTree
 
@@ -48,7 +49,7 @@ from asterism.pattern.geometry.planar import (
 from asterism.pattern.layout.layout import Layout
 from asterism.previews.fields.star_cells import CELL_RADIUS, MIN_STAR_SHARE, beside, stars_share
 from asterism.previews.fields.star_values import StarPlaces, StarValues, rosette
-from asterism.previews.model import BUMPS, KEPT_ARMS, PREVIEW_MODEL, PreviewModel
+from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from asterism.previews.point_pins import softened, stretched_fabric
 
 
@@ -72,7 +73,7 @@ def rosette_metric(fields: Fields, at: StarPlaces) -> Fields:
     if not at.along_arms:
         return fields
     along = np.stack([at.log_mean("lam_n", weights) for weights in at.along_arms], axis=-1)
-    return replace(fields, metric=arm_metric(at.lam, along, at.stars.directions))
+    return replace(fields, metric=arm_metric(at.lam, along, at.directions))
 
 
 def arm_metric(lam: Floats, along: Floats, directions: Floats) -> Floats:
@@ -103,30 +104,17 @@ def directions(fields: Fields, at: StarPlaces) -> Fields:
     stiffness = np.array(fields.density.stiffness)
     stiffness[..., :3, :3] += stiffness[..., :1, :1] * voigt_matrices(differs[..., MEMBRANE_COLUMNS])
     stiffness[..., 3:, 3:] = (at.log_mean("bending") / at.lam**4)[..., None, None] * q
+    along, across = np.moveaxis(0.5 * differs[..., METRIC_COLUMNS], -1, 0)
+    root = expm(np.moveaxis(np.array([[along, across], [across, -along]]), (0, 1), (-2, -1)))
+    metric = root @ np.asarray(fields.metric)[..., [[0, 2], [2, 1]]] @ root
     # -lam^2 Q^-1 m with components 11, 22, 12
     bend = -(at.lam**2)[..., None] * np.linalg.solve(q, m[..., None])[..., 0] * np.array([1.0, 1.0, 0.5])
     return replace(
         fields,
         density=replace(fields.density, stiffness=stiffness),
-        metric=_deformed(np.asarray(fields.metric), differs[..., METRIC_COLUMNS]),
+        metric=np.stack([metric[..., 0, 0], metric[..., 1, 1], metric[..., 0, 1]], axis=-1),
         curvature=bend,
     )
-
-
-def _deformed(metric: Floats, deviator: Floats) -> Floats:
-    """(..., 3) metric with components 11, 22, 12 after the stretch `exp(d/2)`, d with components 11, 12 (..., 2)."""
-    size = np.hypot(deviator[..., 0], deviator[..., 1])
-    part = np.sinh(0.5 * size) / np.where(size > 0.0, size, 1.0)
-    root = np.cosh(0.5 * size)[..., None, None] * np.eye(2)
-    root = root + part[..., None, None] * deviator[..., [[0, 1], [1, 0]]] * np.array([[1.0, 1.0], [1.0, -1.0]])
-    full = root @ metric[..., [[0, 2], [2, 1]]] @ root
-    return np.stack([full[..., 0, 0], full[..., 1, 1], full[..., 0, 1]], axis=-1)
-
-
-# saturation curvature of the sixfold term over the natural one; origin unknown
-SATURATION = 3.0
-# lower limit of the saturation curvature, as a turn over one spacing
-MIN_SATURATION_TURN_RAD = 1e-3 * DEFAULT_SPACING_MM
 
 
 def roll_axis(fields: Fields, at: StarPlaces) -> Fields:
@@ -139,11 +127,13 @@ def roll_axis(fields: Fields, at: StarPlaces) -> Fields:
     """
     assert isinstance(fields.density, Density)
     natural = 0.5 * np.abs(at.mean("kappa")) * at.lam**2
+    saturation = 3.0  # curvature over the natural one; origin unknown
     density = replace(
         fields.density,
-        sixfold=at.stars.model.sixfold_factor * (1.0 + 1.0 / SATURATION**2) * at.mean("c3") / at.lam**6,
+        sixfold=at.model.sixfold_factor * (1.0 + 1.0 / saturation**2) * at.mean("c3") / at.lam**6,
         orientation=np.zeros(at.shape),
-        saturation=np.maximum(SATURATION * natural, MIN_SATURATION_TURN_RAD / at.stars.spacing_mm),
+        # the lower limit is a turn over one spacing
+        saturation=np.maximum(saturation * natural, 1e-3 * DEFAULT_SPACING_MM / at.spacing_mm),
     )
     return replace(fields, density=density)
 
@@ -179,7 +169,7 @@ def rim_arms(fields: Fields, at: StarPlaces) -> Fields:
     On fabric with a grain each arm curls by its own direction, which a mean over the directions does not say: sheets
     are nearer to the exact model without this term.
     """
-    if at.stars.carried is None or at.has_grain:
+    if at.carried is None or at.has_grain:
         return fields
     more = at.lam[..., None] ** 2 * arm_curvature(at).reshape(*at.shape, 3) / (1.0 + BENDING_POISSON)
     return replace(fields, curvature=np.asarray(fields.curvature) - more)
@@ -190,13 +180,13 @@ def arm_curvature(at: StarPlaces) -> Floats:
 
     It is zero among stars and at supported sides.
     """
-    assert at.stars.carried is not None and at.stars.normals is not None
+    assert at.carried is not None and at.normals is not None
     shares = np.column_stack([stars_share(along) for along in at.along_arms])
-    parts = np.column_stack([along @ part for along, part in zip(at.along_arms, at.stars.carried.T, strict=True)])
+    parts = np.column_stack([along @ part for along, part in zip(at.along_arms, at.carried.T, strict=True)])
     parts /= np.maximum(shares, MIN_STAR_SHARE)
     more = shares - shares.min(axis=1, keepdims=True)
-    deviator = rosette(parts * more, at.stars.directions)
-    near = np.where(at.stars.normals.any(axis=1), beside(at.weights, at.values.value["kappa"][:-1]), 0.0)
+    deviator = rosette(parts * more, at.directions)
+    near = np.where(at.normals.any(axis=1), beside(at.weights, at.values.value["kappa"][:-1]), 0.0)
     return np.asarray(near[:, None] * deviator)
 
 
@@ -283,14 +273,9 @@ def self_stress(fields: Fields, at: StarPlaces) -> Fields:
         g = a d^2 (A11 + A12) (lam^2 - lam_bare^2) / 2,    a = `gaussian_area`,
 
     with the spacing d and the membrane stiffness A of bare fabric. It is multiplied by the squared share of the stars,
-    so that its slope vanishes at the border. Periodic cells on tubes have no Gaussian curvature, so that they cannot
-    show g. Ribbons can, since all of their area is near a border. Without g, previews of ribbons roll up to a quarter
-    too little, and sheets supported at their corners rise a tenth too little.
-
-    **Planar sheets.** The area a d^2 is the difference of two integrals of phi, for the exact model and for the shell.
-    For stars whose membrane is as stiff as bare fabric, it is 3 to 5 mm^2 at arms of 4.5 to 8 mm and the paper's
-    spacing. Stars with bumps are softer, but cannot buckle in a planar sheet of the exact model, which says nothing
-    about them. a was fitted to ribbons and free caps, and is at the upper end of what flat sheets give.
+    so that its slope vanishes at the border. Periodic cells on tubes have no Gaussian curvature and cannot show g;
+    ribbons can, since all of their area is near a border. The area a d^2 is the difference of two integrals of phi, for
+    the exact model and for the shell.
 
     On fabric with a grain the tension differs between directions, and one number does not describe its work: sheets are
     nearer to the exact model without it.
@@ -298,7 +283,7 @@ def self_stress(fields: Fields, at: StarPlaces) -> Fields:
     if at.has_grain:
         return fields
     assert isinstance(fields.density, Density)
-    moduli = gaussian_moduli(at.values, at.stars.spacing_mm, at.stars.model)
+    moduli = gaussian_moduli(at.values, at.spacing_mm, at.model)
     share = np.minimum(stars_share(at.weights), 1.0)
     saved = (share * (at.weights @ moduli)).reshape(at.shape)
     most = -gaussian_limits(np.asarray(fields.density.stiffness)[..., 3:, 3:])[0]
@@ -308,20 +293,11 @@ def self_stress(fields: Fields, at: StarPlaces) -> Fields:
 
 def gaussian_moduli(values: StarValues, spacing: float, model: PreviewModel = PREVIEW_MODEL) -> Floats:
     """(S,) Gaussian moduli g of the stars in N mm; the spacing is in mm. Bare sites have none."""
-    has_arms = values.sizes[:, 0] > 0.0
-    return np.asarray(model.gaussian_area * spacing**2 * has_arms * pulls(values))
-
-
-def pulls(values: StarValues) -> Floats:
-    """(S,) tension in N/mm of bare fabric that is held at the contraction of each star."""
-    value = values.value
+    value, has_arms = values.value, values.sizes[:, 0] > 0.0
     more = np.maximum(value["lam_n"][:-1] ** 2 - value["lam_n"][-1] ** 2, 0.0)
-    return np.asarray(0.5 * (value["a11"][-1] + value["a12"][-1]) * more)
-
-
-def softness_at_points(fields: Fields, at: StarPlaces) -> Fields:
-    """The fields with reduced membrane stiffness around pins."""
-    return softened(fields, at.softness)
+    # tension in N/mm of bare fabric that is held at the contraction of each star
+    pulls = 0.5 * (value["a11"][-1] + value["a12"][-1]) * more
+    return np.asarray(model.gaussian_area * spacing**2 * has_arms * pulls)
 
 
 def neo_hookean_fabric(fields: Fields, at: StarPlaces) -> Fields:
@@ -340,17 +316,14 @@ CORRECTIONS: dict[str, Callable[[Fields, StarPlaces], Fields]] = {
     "roll axis": roll_axis,
     "arms into free rims": rim_arms,
     "Gaussian curvature": self_stress,
-    "softness at points": softness_at_points,
+    "softness at points": lambda fields, at: softened(fields, at.softness),
     "neo-Hookean fabric": neo_hookean_fabric,
 }
-PARTS = (*CORRECTIONS, BUMPS, KEPT_ARMS)
+PARTS = (*CORRECTIONS, "bumps", "arms that keep their length")
 
 
 def without(part: str) -> PreviewModel:
-    """The model with one part turned off.
-
-    Raises KeyError: `PARTS` has no part of that name.
-    """
+    """The model with one part turned off; raises KeyError unless `PARTS` has a part of that name."""
     if part not in PARTS:
         raise KeyError(part)
     return replace(PREVIEW_MODEL, off=(part,))
@@ -367,6 +340,6 @@ def sheet_fields(at: StarPlaces) -> Fields:
         np.stack([bend, bend, zero], axis=-1),
     )
     for name, correction in CORRECTIONS.items():
-        if name not in at.stars.model.off:
+        if name not in at.model.off:
             fields = correction(fields, at)
     return fields

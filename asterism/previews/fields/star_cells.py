@@ -27,27 +27,40 @@ from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 CELL_RADIUS = 3.0**-0.5
 # weight of a grid point outside of the sheet; it only matters in tongues that are narrower than the step of the grid
 MIN_SHARE_OFF_SHEET = 1e-6
-# a point this near to the outline, in steps of the grid, is on the outline and does not count as inside
-OUTLINE_TOLERANCE = 1e-9
+# smallest width of the Gaussian, in spacings: it takes one and a half steps of a grid that is still fast
+MIN_WIDTH = 0.08
+# arms of this length, in spacings, reach half way to the next star, where cells of long arms overlap
+HALF_WAY = 0.5
+# at most this many stars share a place
+MAX_STARS = 24
+# a place with a smaller share of stars counts as far from all stars
+MIN_STAR_SHARE = 0.02
 
 
-class CellGrid:
-    """A grid over a sheet and a margin around it, in rows along y; `step` and `margin` in mm.
+class StarCells:
+    """The smoothed cells of the stars of a layout, on a grid over the sheet and a margin around it, in rows along y.
 
-    `origin` (2,) mm is the first grid point. The origin of the lattice is halfway between grid points, so that a star
-    and its mirror image have mirrored ones. For each point, `owner` (n, m) is the star whose cell holds it, S for bare
-    fabric, `count` (n, m) its weight, 1 on the sheet and MIN_SHARE_OFF_SHEET elsewhere, and `ends` (n, m) the index in
-    its row of the next point with another owner or weight.
+    `widths_mm` are the larger and the smaller width of the Gaussian, `step` the distance of grid points in mm, and
+    `origin` (2,) mm the first of them. The origin of the lattice is halfway between grid points, so that a star and its
+    mirror image have mirrored ones. For each point, `owner` (n, m) is the star whose cell holds it, S for bare fabric,
+    `count` (n, m) its weight, 1 on the sheet and MIN_SHARE_OFF_SHEET elsewhere, and `ends` (n, m) the index in its row
+    of the next point with another owner or weight.
     """
 
-    def __init__(self, layout: Layout, lattice: Lattice, step: float, margin: float) -> None:
-        self.step = step
-        margin = (np.ceil(margin / step) + 1) * step
+    # radius at which the Gaussian is cut off, in widths
+    _reach = 3.0
+
+    def __init__(self, layout: Layout, lattice: Lattice, model: PreviewModel = PREVIEW_MODEL) -> None:
+        self.spacing_mm, self.model = lattice.spacing_mm, model
+        self.widths_mm = HALF_WAY * model.smoothing_per_arm * lattice.spacing_mm, MIN_WIDTH * lattice.spacing_mm
+        self.step = step = min(lattice.spacing_mm / 20, self.widths_mm[1] / 1.5)
+        margin = (np.ceil(self._reach * self.widths_mm[0] / step) + 1) * step
         low, high = layout.outline.min(axis=0) - margin, layout.outline.max(axis=0) + margin
         middle = np.asarray(lattice.origin_mm) + 0.5 * step
         self.origin = middle + step * np.floor((low - middle) / step)
         shape = np.ceil((high - self.origin) / step).astype(int) + 1
         cells = lattice.sites.nearest(layout.centres)
+        self._stars = len(cells)
         first = cells.min(axis=0) - 1
         star = np.full(cells.max(axis=0) - first + 2, len(cells))
         star[tuple((cells - first).T)] = np.arange(len(cells))
@@ -63,38 +76,34 @@ class CellGrid:
     def _inside(self, edges: SheetEdges, shape: Ints) -> Bools:
         """(n, m) whether the points are on the sheet: between crossings of its edges with lines beside their rows."""
         inside = np.ones(shape, dtype=bool)
-        for side in (-OUTLINE_TOLERANCE, OUTLINE_TOLERANCE):
+        # a point this near to the outline, in steps of the grid, is on the outline and does not count as inside
+        near = 1e-9
+        for side in (-near, near):
             x = self.origin[0] + (np.arange(shape[0]) + side) * self.step
             row, edge = np.nonzero((edges.start[:, 0] <= x[:, None]) != (edges.end[:, 0] <= x[:, None]))
             start, along = edges.start[edge], (edges.end - edges.start)[edge]
             place = (start[:, 1] + (x[row] - start[:, 0]) / along[:, 0] * along[:, 1] - self.origin[1]) / self.step
             passed = np.zeros((2, *shape), dtype=np.int16)
-            np.add.at(passed[0], (row, np.floor(place + OUTLINE_TOLERANCE).astype(int) + 1), 1)
-            np.add.at(passed[1], (row, np.ceil(place - OUTLINE_TOLERANCE).astype(int)), 1)
+            np.add.at(passed[0], (row, np.floor(place + near).astype(int) + 1), 1)
+            np.add.at(passed[1], (row, np.ceil(place - near).astype(int)), 1)
             safely, nearly = passed.cumsum(axis=2, dtype=np.int16)
             inside &= (safely % 2 == 1) & (safely == nearly)
         return inside
 
-
-# smallest width of the Gaussian, in spacings: it takes one and a half steps of a grid that is still fast
-MIN_WIDTH = 0.08
-# arms of this length, in spacings, reach half way to the next star, where cells of long arms overlap
-HALF_WAY = 0.5
-# radius at which the Gaussian is cut off, in widths
-GAUSSIAN_REACH = 3.0
-# at most this many stars share a place
-MAX_STARS = 24
-# a place with a smaller share of stars counts as far from all stars
-MIN_STAR_SHARE = 0.02
+    def weights(self, points: Floats, width: float) -> sp.csr_matrix:
+        """(n, S) share of each star at points (n, 2) mm, for a width in mm."""
+        place = (points - self.origin) / self.step
+        star, share = np.empty(len(place) * MAX_STARS, dtype=np.int32), np.empty(len(place) * MAX_STARS)
+        ends = np.zeros(len(place) + 1, dtype=np.int32)
+        reach = int(np.ceil(self._reach * width / self.step))
+        own = self.owner, self.count, self.ends
+        _gather(place, *own, reach, self.step / width, self._stars, star, share, ends)
+        star, share = star[: ends[-1]].copy(), share[: ends[-1]].copy()
+        return sp.csr_matrix((share, star, ends), shape=(len(place), self._stars))
 
 
 class Shares:
-    """Shares of S stars at n places, as a function of the length of the arms.
-
-    The shares for each of the two widths are computed when they are first needed.
-
-    `cells`: smoothed cells of the stars; `points`: (n, 2) mm, the places.
-    """
+    """Shares of S stars at n places (n, 2) mm, as a function of the length of the arms, from smoothed cells."""
 
     def __init__(self, cells: StarCells, points: Floats) -> None:
         self.cells, self._points = cells, np.asarray(points, dtype=float)
@@ -111,7 +120,9 @@ class Shares:
 
     def __call__(self, length: Floats) -> sp.csr_matrix:
         """(n, S) share of each star, for arm lengths (S,) in mm."""
-        long = long_arms(length, self.cells.spacing_mm, self.cells.model)
+        # the shares lie between the narrow ones (0) and the wide ones (1)
+        shortest = MIN_WIDTH / self.cells.model.smoothing_per_arm
+        long = np.clip((length / self.cells.spacing_mm - shortest) / max(HALF_WAY - shortest, 1e-9), 0.0, 1.0)
         if (long == 1.0).all():
             return self.wide
         both, row = self._both
@@ -129,12 +140,6 @@ class Shares:
         return both, np.repeat(np.arange(both.shape[0]), np.diff(both.indptr))
 
 
-def long_arms(length: Floats, spacing: float, model: PreviewModel) -> Floats:
-    """(n,) interpolation between the smallest width (0) and the largest (1), for lengths (n,) and a spacing in mm."""
-    shortest = MIN_WIDTH / model.smoothing_per_arm
-    return np.clip((length / spacing - shortest) / max(HALF_WAY - shortest, 1e-9), 0.0, 1.0)
-
-
 def stars_share(weights: sp.csr_matrix) -> Floats:
     """(n,) share of all stars together; bare fabric has the rest to 1."""
     return np.asarray(weights @ np.ones(weights.shape[1]))
@@ -145,44 +150,11 @@ def beside(weights: sp.csr_matrix, of: Floats, nearest: Ints | None = None) -> F
 
     Far from all stars, it is the value of the `nearest` star (n,), or zero if `nearest` is not given.
     """
-    mean, share = weights @ of, stars_share(weights)
+    mean = weights @ of
+    share = stars_share(weights).reshape(-1, *[1] * (mean.ndim - 1))
     if nearest is None:
-        return np.asarray(mean / _rows(np.maximum(share, MIN_STAR_SHARE), mean))
-    return np.asarray((mean + MIN_STAR_SHARE * of[nearest]) / _rows(share + MIN_STAR_SHARE, mean))
-
-
-def _rows(of: Floats, like: Floats) -> Floats:
-    """(n,) reshaped to (n, 1, ...), to divide the rows of the array `like`."""
-    return of.reshape(-1, *[1] * (like.ndim - 1))
-
-
-class StarCells:
-    """The smoothed cells of the stars of a layout.
-
-    `layout`, `lattice`: of the design; `model`: the widths of the Gaussian.
-
-    `widths_mm`: the larger and the smaller width; `spacing_mm`, `model`: of the stars, and the widths.
-    """
-
-    def __init__(self, layout: Layout, lattice: Lattice, model: PreviewModel = PREVIEW_MODEL) -> None:
-        self.spacing_mm, self.model = lattice.spacing_mm, model
-        self.widths_mm = HALF_WAY * model.smoothing_per_arm * lattice.spacing_mm, MIN_WIDTH * lattice.spacing_mm
-        self._stars = len(layout.centres)
-        # resolution of the grid
-        step = min(lattice.spacing_mm / 20, self.widths_mm[1] / 1.5)
-        self._grid = CellGrid(layout, lattice, step, GAUSSIAN_REACH * self.widths_mm[0])
-
-    def weights(self, points: Floats, width: float) -> sp.csr_matrix:
-        """(n, S) share of each star at points (n, 2) mm, for a width in mm."""
-        grid = self._grid
-        place = (points - grid.origin) / grid.step
-        star, share = np.empty(len(place) * MAX_STARS, dtype=np.int32), np.empty(len(place) * MAX_STARS)
-        ends = np.zeros(len(place) + 1, dtype=np.int32)
-        reach = int(np.ceil(GAUSSIAN_REACH * width / grid.step))
-        own = grid.owner, grid.count, grid.ends
-        _gather(place, *own, reach, grid.step / width, self._stars, star, share, ends)
-        star, share = star[: ends[-1]].copy(), share[: ends[-1]].copy()
-        return sp.csr_matrix((share, star, ends), shape=(len(place), self._stars))
+        return np.asarray(mean / np.maximum(share, MIN_STAR_SHARE))
+    return np.asarray((mean + MIN_STAR_SHARE * of[nearest]) / (share + MIN_STAR_SHARE))
 
 
 @formula

@@ -23,8 +23,6 @@ from asterism.pattern.layout.layout import Layout
 from asterism.previews.fields.star_cells import CELL_RADIUS, Shares
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 
-# quantities of the law that change their sign with the side of the plastic, beside c3
-MIRRORED = ("kappa", "offset_mm")
 # share of the bending stiffness that the sixfold term may take away in one direction: cells of the paper's material
 # stay below
 MAX_SIXFOLD_SHARE = 0.7
@@ -103,8 +101,9 @@ def star_values(design: Design, layout: Layout, law: StarLaw, model: PreviewMode
     flat = np.column_stack([side, np.ones_like(side)])  # heights of the flat cell, and their change per curvature
     if differs.shape[1]:
         anisotropy[:, MOMENT_COLUMNS] *= side[:, None]
+    mirrored = {name: side * values.value[name] for name in ("kappa", "offset_mm")}
     return StarValues(
-        values.value | {"c3": side * c3} | {name: side * values.value[name] for name in MIRRORED},
+        values.value | {"c3": side * c3} | mirrored,
         flat[:, :, None] * corrugation,
         side,
         sizes,
@@ -155,44 +154,31 @@ def _check(layout: Layout, where: Sequence[str], value: dict[str, Floats]) -> No
 
 
 @dataclass(frozen=True)
-class StarShares:
-    """The stars at n places of a sheet: what a change of their sizes leaves as it is."""
+class StarPlaces:
+    """The stars at n places of a sheet, and the law there, from which fields are computed."""
 
     shares: Shares  # of the stars at the places
-    shape: tuple[int, ...]  # shape of the fields, (T, Q) with n = T Q
+    shape: tuple[int, ...]  # of the fields, (T, Q) with n = T Q
+    values: StarValues
     directions: Floats = field(default_factory=lambda: np.empty((0, 2)))  # (N, 2) unit vectors of the arms of a star
     arms: Sequence[Shares] = ()  # for each of them the shares half a spacing back along it
-    normals: Floats | None = None  # (n, 2) normals of free sides (`asterism.previews.fields.sheet_fields.free_normals`)
+    normals: Floats | None = None  # (n, 2) normals of free sides, from `sheet_fields.free_normals`
     # (S, N) share of the natural curvature that arms carry into a free rim; None for supported sheets
     carried: Floats | None = None
     spacing_mm: float = DEFAULT_SPACING_MM  # of the stars
-    model: PreviewModel = PREVIEW_MODEL  # constants of the preview
-
-
-@dataclass(frozen=True)
-class StarPlaces:
-    """The law at these places, from which fields are computed."""
-
-    stars: StarShares  # at the places
-    values: StarValues  # the law at the stars
-    # (T, Q) around supported points (`asterism.previews.point_pins`); None for sheets without
-    softness: Floats | None = None
+    model: PreviewModel = PREVIEW_MODEL
+    softness: Floats | None = None  # (T, Q) around supported points, from `point_pins`; None for sheets without
     has_grain: bool = False  # the fabric is orthotropic
-
-    @property
-    def shape(self) -> tuple[int, ...]:
-        """(T, Q)."""
-        return self.stars.shape
 
     @cached_property
     def weights(self) -> sp.csr_matrix:
         """(n, S) share of each star; bare fabric has the rest to 1."""
-        return self.stars.shares(self.values.sizes[:, 0])
+        return self.shares(self.values.sizes[:, 0])
 
     @cached_property
     def along_arms(self) -> list[sp.csr_matrix]:
         """For each arm the weights half a spacing back along it."""
-        return [shares(self.values.sizes[:, 0]) for shares in self.stars.arms]
+        return [shares(self.values.sizes[:, 0]) for shares in self.arms]
 
     def mean(self, name: str) -> Floats:
         """(T, Q) of one of the law's quantities."""

@@ -15,7 +15,7 @@ from asterism.homogenize.cell.corrugation_waves import CorrugationWaves
 from asterism.homogenize.law.material import Material
 from asterism.homogenize.law.star_law import QUANTITY_NAMES, StarLaw, StarTable, to_stored
 from asterism.previews.fields.star_cells import Shares
-from asterism.previews.fields.star_values import StarPlaces, StarShares, StarValues
+from asterism.previews.fields.star_values import StarPlaces, StarValues
 
 SPACING = 10.0 * np.sqrt(3.0)
 
@@ -71,4 +71,4 @@ def places(
 ) -> StarPlaces:
     """Places with these shares of the stars, and with `arms` half a spacing back along each arm."""
     back = [FixedShares(each) for each in arms]
-    return StarPlaces(StarShares(FixedShares(weights), shape, arms=back, **stars), values)
+    return StarPlaces(FixedShares(weights), shape, values, arms=back, **stars)

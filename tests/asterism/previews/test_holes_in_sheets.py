@@ -11,7 +11,7 @@ from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
 from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.previews.fields.sheet_fields import free_normals, hole_sites, rim_curvature_share
-from asterism.previews.fields.star_cells import CellGrid
+from asterism.previews.fields.star_cells import StarCells
 from asterism.previews.session import Preview
 from asterism.previews.sheet import Sheet
 from asterism.shape.comparison import compare_shapes
@@ -29,8 +29,8 @@ def holed(holes: list[object], pins: list[object] | None = None) -> Design:
 def test_the_grid_of_cells_leaves_the_hole_out() -> None:
     design = holed([{"polygon_mm": [[-9, -7], [8, -9], [9, 8], [0, 3], [-8, 9]]}])
     plan = layout(design)
-    grid = CellGrid(plan, design.lattice, 0.7, 3.0)
-    places = grid.origin + 0.7 * np.stack(np.meshgrid(*map(np.arange, grid.count.shape), indexing="ij"), axis=-1)
+    grid = StarCells(plan, design.lattice)
+    places = grid.origin + grid.step * np.stack(np.meshgrid(*map(np.arange, grid.count.shape), indexing="ij"), axis=-1)
     on_sheet = plan.is_on_sheet(places.reshape(-1, 2)).reshape(grid.count.shape)
     assert on_sheet.sum() < inside(places.reshape(-1, 2), plan.outline).sum()
     np.testing.assert_array_equal(grid.count == 1.0, on_sheet)

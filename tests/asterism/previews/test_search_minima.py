@@ -14,7 +14,6 @@ from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.previews import search_minima as search
 from asterism.previews.search_minima import (
-    SheetTraits,
     find_equilibrium,
     is_equilibrium_near_another,
     is_inverted,
@@ -32,8 +31,8 @@ ROLLS = of_stretch(density(100.0), 0.8, lambda p: -0.012 - 0.001 * radius(p) ** 
 def test_caps_never_cost_energy(fields: Fields) -> None:
     shell = Shell(Argyris(hexagon(1)), fields)
     factor = shell.factor()
-    plain = find_equilibrium(shell, factor, "auto", SheetTraits())
-    found = find_equilibrium(shell, factor, "auto", SheetTraits(has_tight_curls=True))
+    plain = find_equilibrium(shell, factor, "auto")
+    found = find_equilibrium(shell, factor, "auto", has_tight_curls=True)
     assert found.is_minimum
     assert found.energy <= plain.energy * (1.0 + 1e-9)
     assert "cap" in {trial.name for trial in found.trials}
@@ -57,7 +56,7 @@ def test_a_form_on_the_side_that_is_asked_for_is_shown_though_it_is_dearer() -> 
     preview = Preview(NARROW_DOME)
     down = preview.equilibrium
     factor = preview.shell.factor()
-    up = find_equilibrium(preview.shell, factor, "up", SheetTraits())
+    up = find_equilibrium(preview.shell, factor, "up")
     assert (side_of(preview.shell, down.x), side_of(preview.shell, up.x)) == ("down", "up")
     assert up.is_minimum and up.energy > 1.2 * down.energy and len(up.soft_modes)
     factor.close()
@@ -115,7 +114,7 @@ def test_sheets_soft_in_two_ways_are_started_from_other_kinds(fields: Fields, so
     shell = Shell(Argyris(hexagon(1)), fields)
     alone = relax(shell)
     assert is_equilibrium_near_another(shell, alone, 0.8 * 2.0 * RADIUS) == soft
-    found = find_equilibrium(shell, shell.factor(), "auto", SheetTraits())
+    found = find_equilibrium(shell, shell.factor(), "auto")
     tried, before = ({trial.name for trial in each.trials} for each in (found, alone))
     assert tried > before if soft else tried == before
     assert found.is_minimum and found.energy < (0.98 if soft else 1.02) * alone.energy
@@ -164,5 +163,5 @@ def test_a_held_sheet_on_the_wrong_side_is_tried_from_flat(monkeypatch: pytest.M
     first = iter([wrong])
     real = search.relax
     monkeypatch.setattr(search, "relax", lambda *given, **more: next(first, None) or real(*given, **more))
-    found = find_equilibrium(shell, shell.factor(), "auto", SheetTraits())
+    found = find_equilibrium(shell, shell.factor(), "auto")
     assert found.energy == pytest.approx(right.energy, rel=1e-6) and len(found.trials) >= 2

@@ -16,10 +16,6 @@ from asterism.previews.fields.star_cells import CELL_RADIUS
 from asterism.previews.fields.star_values import star_values
 from asterism.previews.sheet import (
     BUMP_STRAIN,
-    CREASE_ROUNDING,
-    DECAY_LENGTHS,
-    FABRIC_BESIDE_ARM,
-    FABRIC_BEYOND_TIP,
     Arms,
     Sheet,
     arm_shares,
@@ -81,30 +77,6 @@ def arms_with(lengths: dict[int, float]) -> Arms:
     sites = PLAN.sheet_sites[list(lengths)]
     sizes = [[length, np.nan, np.nan] for length in lengths.values()]
     return Arms(layout(with_painted_stars(DESIGN, sites, sizes)), SHEET.space)
-
-
-def by_formula(arms: Arms) -> np.ndarray:
-    """(n, A) shares."""
-    beside, beyond = (b * PLAN.spacing_mm for b in (FABRIC_BESIDE_ARM, FABRIC_BEYOND_TIP))
-    pins = PLAN.pin_points
-    to_pin = np.linalg.norm(POINTS[:, None] - pins, axis=2).min(axis=1) / beside
-    offset = POINTS[:, None] - arms.centre
-    along = np.einsum("nac,ac->na", offset, arms.direction)
-    aside = offset[..., 1] * arms.direction[:, 0] - offset[..., 0] * arms.direction[:, 1]
-    part, ahead = np.clip(along / arms.length, 0.0, 1.0), np.maximum(along - arms.length, 0.0)
-    near = np.exp(CREASE_ROUNDING - np.sqrt(CREASE_ROUNDING**2 + (aside / beside) ** 2 + (ahead / beyond) ** 2))
-    near *= np.maximum(1.0 - np.hypot(aside, ahead) / arms.room, 0.0) * np.minimum(to_pin, 1.0)[:, None]
-    middle = arms.centre + 0.5 * arms.length[:, None] * arms.direction
-    reach = 0.5 * arms.length.max() + DECAY_LENGTHS * beyond
-    near *= np.linalg.norm(POINTS[:, None] - middle, axis=2) <= reach
-    return part * near
-
-
-def test_shares_are_those_of_the_formula() -> None:
-    shares = arm_shares(SHEET.arms, POINTS)
-    along = by_formula(SHEET.arms)
-    assert along.max() > 0.5
-    assert shares.along.toarray() == pytest.approx(along, abs=1e-12)
 
 
 LENGTHS = st.dictionaries(st.integers(0, len(PLAN.sheet_sites) - 1), st.floats(0.0, 11.0), min_size=1, max_size=6)

@@ -11,7 +11,7 @@ from asterism.homogenize.law.axes import law_coordinates
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-from asterism.previews.fields.star_cells import HALF_WAY, MIN_WIDTH, CellGrid, Shares, StarCells
+from asterism.previews.fields.star_cells import HALF_WAY, MIN_WIDTH, Shares, StarCells
 from asterism.previews.model import PREVIEW_MODEL
 
 TUBE = gallery.load("tube")
@@ -95,31 +95,26 @@ def test_a_star_is_as_thick_as_its_arms_are_on_the_mean_of_their_lengths() -> No
     assert sizes[:, 1] == pytest.approx((0.3 + 0.5 * 0.6) / 1.5)
 
 
-def design(border: list[list[float]]) -> Design:
-    return Design.from_dict(TUBE.to_dict() | {"border": {"polygon_mm": border}})
-
-
-def points(grid: CellGrid) -> np.ndarray:
+def points(grid: StarCells) -> np.ndarray:
     return grid.origin + grid.step * np.moveaxis(np.indices(grid.owner.shape), 0, -1)
 
 
 def test_the_nearest_star_owns_a_place() -> None:
-    plan = layout(TUBE)
-    grid = CellGrid(plan, TUBE.lattice, 1.1, 8.0)
-    away = np.linalg.norm(points(grid)[:, :, None] - plan.centres, axis=-1)
-    owned = grid.owner < len(plan.centres)
-    assert owned[away.min(axis=2) < 0.49 * plan.spacing_mm].all()
-    assert not owned[away.min(axis=2) > 0.6 * plan.spacing_mm].any()
+    grid = StarCells(PLAN, TUBE.lattice)
+    away = np.linalg.norm(points(grid)[:, :, None] - PLAN.centres, axis=-1)
+    owned = grid.owner < COUNT
+    assert owned[away.min(axis=2) < 0.49 * PLAN.spacing_mm].all()
+    assert not owned[away.min(axis=2) > 0.6 * PLAN.spacing_mm].any()
     least = np.take_along_axis(away, np.where(owned, grid.owner, 0)[:, :, None], axis=2)[:, :, 0]
     assert np.allclose(least[owned], away.min(axis=2)[owned])
 
 
 def test_what_is_on_the_outline_is_not_inside() -> None:
-    square = design([[-30.0, -30.0], [30.0, -30.0], [30.0, 30.0], [-30.0, 30.0]])
-    grid = CellGrid(layout(square), square.lattice, 0.5, 2.0)
-    # the grid passes through the middle between its points, so that it has no point on these sides, and is symmetric
-    assert np.array_equal(grid.count, grid.count[::-1]) and np.array_equal(grid.count, grid.count[:, ::-1])
-    shifted = CellGrid(layout(square), square.lattice, 60.0 / 119.0, 2.0)
-    places = points(shifted)
-    on = np.isclose(np.abs(places).max(axis=-1), 30.0)
-    assert not (shifted.count[on] == 1.0).any()
+    step = StarCells(PLAN, TUBE.lattice).step
+    for half, is_on_grid in ((30.0, False), (34.5 * step, True)):
+        corners = half * np.array([[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]])
+        square = Design.from_dict(TUBE.to_dict() | {"border": {"polygon_mm": corners.tolist()}})
+        grid = StarCells(layout(square), square.lattice)
+        assert np.array_equal(grid.count, grid.count[::-1]) and np.array_equal(grid.count, grid.count[:, ::-1])
+        on = np.isclose(np.abs(points(grid)).max(axis=-1), half)
+        assert on.any() == is_on_grid and not (grid.count[on] == 1.0).any()
