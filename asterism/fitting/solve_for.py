@@ -237,21 +237,14 @@ def _needles(design: Design) -> list[tuple[int, int, Floats]]:
 
 @dataclass(frozen=True, eq=False)
 class Sensitivity:
-    """Derivatives of a quantity by one size of each star.
+    """Derivatives of a quantity by one size of each star."""
 
-    Attributes
-    ----------
-    value : (...) the quantity.
-    derivatives : (S, ...) its change per mm by which the size of each star grows. Where the quantity has a kink, as the
-        height of a symmetric sheet with several highest places, it may change differently when the size shrinks.
-    stars : (S,) numbers of the stars.
-    centres : (S, 2) mm, their places on the print.
-    """
-
-    value: Floats
+    value: Floats  # (...) the quantity
+    # (S, ...) its change per mm by which the size of each star grows. Where the quantity has a kink, as the height of a
+    # symmetric sheet with several highest places, it may change differently when the size shrinks.
     derivatives: Floats
-    stars: Ints
-    centres: Floats
+    stars: Ints  # (S,) numbers of the stars
+    centres: Floats  # (S, 2) mm, their places on the print
 
 
 def sensitivity(

@@ -96,19 +96,12 @@ FACES = ("face", "back")
 
 
 class BendingStiffness(NamedTuple):
-    """Bending stiffness of a fabric for each mm of width, N mm.
+    """Bending stiffness of a fabric for each mm of width, N mm."""
 
-    Attributes
-    ----------
-    n_mm : the geometric mean of the readings.
-    low_n_mm, high_n_mm : 95 % confidence interval of the mean; nan for a single reading.
-    bending_length_mm : cube root of stiffness over weight.
-    """
-
-    n_mm: float
-    low_n_mm: float
+    n_mm: float  # the geometric mean of the readings
+    low_n_mm: float  # low_n_mm and high_n_mm: 95 % confidence interval of the mean; nan for a single reading
     high_n_mm: float
-    bending_length_mm: float
+    bending_length_mm: float  # cube root of stiffness over weight
 
 
 def bending_stiffness(overhangs_mm: Sequence[float], mass_g_m2: float) -> BendingStiffness:

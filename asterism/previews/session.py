@@ -45,10 +45,7 @@ class SnapshotError(Error, ValueError):
 
 
 class Watch:
-    """Called at least once in each Newton iteration.
-
-    `check`: called each time; an error that it raises ends the search; `max_seconds`: wall time after which a search
-    ends with `SearchLimitError`.
+    """Called at least once in each Newton iteration: an error of `check`, or of the time limit, ends the search.
 
     `has_stopped`: whether the watch has ended the current search.
     """
@@ -65,7 +62,6 @@ class Watch:
         self.has_stopped = False
 
     def __call__(self) -> None:
-        """Call the check, and raise SearchLimitError after the time limit."""
         try:
             if self._check is not None:
                 self._check()
@@ -78,16 +74,10 @@ class Watch:
 
 @dataclass(frozen=True, eq=False)
 class Snapshot:
-    """A design and the equilibrium of its shell, for `Preview.restore`. It can be pickled.
-
-    Attributes
-    ----------
-    design : the design.
-    x : (N, 3) degrees of freedom of the shell; read-only.
-    """
+    """A design and the equilibrium of its shell, for `Preview.restore`. It can be pickled."""
 
     design: Design
-    x: Floats
+    x: Floats  # (N, 3) degrees of freedom of the shell; read-only
 
     def __post_init__(self) -> None:
         own = self.x.copy()
@@ -97,16 +87,11 @@ class Snapshot:
 
 @dataclass(frozen=True)
 class Stage:
-    """A result of an edit.
+    """A result of an edit."""
 
-    Attributes
-    ----------
-    name : `linear`, the linear response of the last equilibrium to the edit; or `equilibrium`.
-    x : (N, 3) degrees of freedom of the shell; a copy.
-    """
-
+    # `linear`, the linear response of the last equilibrium to the edit; or `equilibrium`
     name: Literal["linear", "equilibrium"]
-    x: Floats
+    x: Floats  # (N, 3) degrees of freedom of the shell; a copy
 
 
 class Preview:
@@ -210,29 +195,15 @@ class Preview:
         return [form for form, _ in other_forms(self.state)]
 
     def at(self, points: Floats, x: Floats | None = None) -> Places:
-        """The positions of printed points in space.
+        """The positions of printed points (n, 2) mm in space, in the pose of the shell; `shape` turns free sheets upright.
 
-        They are in the pose of the shell, whereas `shape` turns free sheets upright.
-
-        Parameters
-        ----------
-        points : (n, 2) mm, or a single point.
-        x : degrees of freedom of the shell, from a `Stage`; those of the equilibrium by default.
-
-        Raises
-        ------
-        ValueError
-            `points` has another form, or a point is outside of the sheet, or x does not belong to this mesh.
+        `x`: degrees of freedom of the shell, from a `Stage`; those of the equilibrium by default. Raises ValueError if
+        `points` has another form, or a point is outside of the sheet, or x does not belong to this mesh.
         """
         return PointLens(self, points)(x)
 
     def lens(self, points: Floats) -> PointLens:
-        """A function that computes the positions of fixed printed points (n, 2) mm, like `at`, but faster.
-
-        Raises
-        ------
-        ValueError
-            `points` has another form, or a point is outside of the sheet.
+        """A function that computes the positions of fixed printed points (n, 2) mm, like `at`, but faster over edits.
 
         Examples
         --------
@@ -250,7 +221,7 @@ class Preview:
         points stay the same; the pins may have other positions in space. For other changes, or if the edit leads to no
         minimum, the search starts again from initial guesses, in one stage, and lists other forms in the summary.
 
-        The edit begins at the first request for a stage; `update` requests all stages. If you stop after the first
+        The edit begins at the first request for a stage; `update` asks for all of them. If you stop after the first
         stage, the preview shows the linear response, and its summary states that this is not an equilibrium. The next
         edit then starts from the last equilibrium again. If the edit fails or is interrupted before its first stage,
         the preview keeps its state.
@@ -260,10 +231,6 @@ class Preview:
         design : the new design.
         keep_form : a sheet of nearly the same size whose outline, lattice or supported points change also starts from
             the old shape, which takes less time.
-
-        Yields
-        ------
-        The stages.
 
         Raises
         ------
@@ -345,24 +312,15 @@ class Preview:
         """Return to a snapshot of this preview, or of another one with the same law and model.
 
         The equilibrium is certified again. If the snapshot leads to no minimum, the search starts from initial guesses.
-
-        Raises
-        ------
-        DesignError, MeshError, LawError, SearchLimitError
-            As for an edit. The preview keeps its state.
-        SnapshotError
-            The snapshot belongs to another mesh.
+        Raises SnapshotError if the snapshot belongs to another mesh, and the errors of `edit`.
         """
         check_type(snapshot, Snapshot, "preview.snapshot() makes one")
         return self._at_form(snapshot.design, snapshot.x)
 
     def show_form(self, number: int) -> Stage:
-        """Show one of the `forms`, by its index in that list. The form shown before is in the list afterwards.
+        """Show one of the `forms`, by its index in that list, or raise ValueError.
 
-        Raises
-        ------
-        ValueError
-            The list has no such index.
+        The form shown before is in the list afterwards.
         """
         minima = other_forms(self.state)
         if not (is_whole(number) and 0 <= number < len(minima)):
@@ -460,24 +418,13 @@ def preview(
 
     Parameters
     ----------
-    design : from `load_design`, `new` or `Design.from_dict`.
-    law : from `homogenize.law.law_file.load_law`; by default the one that the design names, or else that of the paper's
-        material where it covers the stars, or else one of cells that are solved now and kept.
-    side : side of the edges: `down` (plastic outside), `up`, or `auto`, which follows from the stars.
-    say : called with a line of text at the beginning of each stage.
-    model : parts and constants of the preview model.
-    plan : layout of the design; computed by default.
+    design, law, side, say, model, plan : as for `Preview`, which keeps its state for edits; the errors too.
 
     Returns
     -------
     The shape. Its `summary` holds the certificate (`is_minimum`), the stars outside the range of the law, the estimated
     error, and the whole design. The principal axes of a free sheet lie along x, y and z. `point_fields["bump_mm"]`
     holds the vectors from the smooth surface to the shape.
-
-    Raises
-    ------
-    DesignError, MeshError, LawError
-        As for `Preview`, which keeps its state for edits.
     """
     begin = time.perf_counter()
     shape = Preview(design, law, side, say=say, model=model, plan=plan).shape()
@@ -485,18 +432,10 @@ def preview(
 
 
 class PointLens:
-    """Fixed printed points on the sheet of a preview, followed over edits; `Preview.lens` makes one.
+    """Printed points (n, 2) mm on the sheet of a preview, followed over edits; `Preview.lens` makes one.
 
-    After an edit that keeps the print, only what depends on the changed stars is computed again.
-
-    Attributes
-    ----------
-    points : (n, 2) mm, on the sheet.
-
-    Raises
-    ------
-    ValueError
-        These are no points, or one is off the sheet.
+    After an edit that keeps the print, only what depends on the changed stars is computed again. Raises ValueError:
+    these are no points, or one is off the sheet.
     """
 
     def __init__(self, preview: Preview, points: Floats) -> None:
@@ -506,10 +445,8 @@ class PointLens:
     def __call__(self, x: Floats | None = None) -> Places:
         """The points in space, at positions `x` of a stage or else in the state that the preview shows.
 
-        Raises
-        ------
-        ValueError
-            `x` is not of a stage of the present design; or a point is off the sheet since its outline has changed.
+        Raises ValueError: `x` is not of a stage of the present design; or a point is off the sheet since its outline
+        has changed.
         """
         state = self._preview.state
         x = state.x if x is None else np.asarray(x, dtype=float)

@@ -68,20 +68,13 @@ OPTIONAL_FILES: dict[str, tuple[FormatKind, ...]] = {
 
 @dataclass(frozen=True)
 class PrintExport:
-    """A design made ready for a printer, with the files that were written.
+    """A design made ready for a printer, with the files that were written."""
 
-    Attributes
-    ----------
-    job : the rounded design on the bed, with its solids, needles and costs.
-    summary : content of export.json.
-    warnings : one line for each reason to doubt the print or its shape in space, and for each format that is left out.
-    doubts : those of the warnings for which the shape is not reliable: it is not certified.
-    """
-
-    job: Job
-    summary: ExportRecord
+    job: Job  # the rounded design on the bed, with its solids, needles and costs
+    summary: ExportRecord  # content of export.json
+    # one line for each reason to doubt the print or its shape in space, and for each format that is left out
     warnings: tuple[str, ...]
-    doubts: tuple[str, ...] = ()
+    doubts: tuple[str, ...] = ()  # those of the warnings for which the shape is not reliable: it is not certified
 
     @property
     def files(self) -> list[str]:

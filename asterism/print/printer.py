@@ -33,35 +33,22 @@ ABOVE_FABRIC_MM = 10.0
 
 
 class PrintSpeed(Section):
-    """Speeds, for the estimate of the time.
+    """Speeds, for the estimate of the time."""
 
-    Attributes
-    ----------
-    first_layer_mm_s, print_mm_s, travel_mm_s : speeds of the nozzle.
-    island_s : time lost at each separate piece of a layer.
-    heating_min : time before the first line.
-    """
-
+    # first_layer_mm_s and print_mm_s, travel_mm_s: speeds of the nozzle
     first_layer_mm_s: Number = Field(gt=0, le=1000)
     print_mm_s: Number = Field(gt=0, le=1000)
     travel_mm_s: Number = Field(gt=0, le=2000)
-    island_s: Number = Field(ge=0, le=60)
-    heating_min: Number = Field(ge=0, le=60)
+    island_s: Number = Field(ge=0, le=60)  # time lost at each separate piece of a layer
+    heating_min: Number = Field(ge=0, le=60)  # time before the first line
 
 
 class FabricFrame(Section):
-    """The frame that holds the fabric, centred on the bed.
+    """The frame that holds the fabric, centred on the bed."""
 
-    Attributes
-    ----------
-    size_mm : width and depth with the bars.
-    bar_mm : width of the bars, which are outside the printable area.
-    plate_mm : thickness of the plate under the fabric.
-    """
-
-    size_mm: Sides = (260.0, 260.0)
-    bar_mm: Number = Field(15.0, ge=0, le=1000)
-    plate_mm: Number = Field(4.0, ge=0, le=50)
+    size_mm: Sides = (260.0, 260.0)  # width and depth with the bars
+    bar_mm: Number = Field(15.0, ge=0, le=1000)  # width of the bars, which are outside the printable area
+    plate_mm: Number = Field(4.0, ge=0, le=50)  # thickness of the plate under the fabric
 
     @model_validator(mode="after")
     def _bars_leave_an_opening(self) -> Self:
@@ -80,32 +67,22 @@ class FabricFrame(Section):
 
 
 class Printer(Section):
-    """A printer.
+    """A printer."""
 
-    Attributes
-    ----------
-    name : name in tables and instructions.
-    bed_mm : width and depth that the nozzle reaches.
-    origin : origin of the coordinates: the left front `corner` of the bed, or its `centre`.
-    nozzle_mm : diameter of the nozzle, which is also the width of a line.
-    first_layers_mm : allowed heights of the first layer, the preferred first.
-    layer_mm : height of the other layers.
-    filament_mm : diameter of the filament.
-    homes : motion of the nozzle when z is homed: `away` from the bed, or down `onto` it.
-    start_code : G-code that puts the height of the fabric to z = 0, with the `PLACEHOLDERS` in braces. Temperatures,
-        homing, purging and the end are left to the slicer.
-    """
-
-    name: Line = Field(min_length=1, max_length=100)
-    bed_mm: Sides
+    name: Line = Field(min_length=1, max_length=100)  # name in tables and instructions
+    bed_mm: Sides  # width and depth that the nozzle reaches
+    # origin of the coordinates: the left front `corner` of the bed, or its `centre`
     origin: Literal["corner", "centre"] = "corner"
-    nozzle_mm: Number = Field(0.4, ge=0.1, le=2)
+    nozzle_mm: Number = Field(0.4, ge=0.1, le=2)  # diameter of the nozzle, which is also the width of a line
+    # allowed heights of the first layer, the preferred first
     first_layers_mm: tuple[LayerHeight, ...] = Field(min_length=1, max_length=20)
-    layer_mm: Number = Field(ge=0.01, le=2)
-    filament_mm: Number = Field(1.75, ge=1, le=5)
-    homes: Literal["away", "onto"]
+    layer_mm: Number = Field(ge=0.01, le=2)  # height of the other layers
+    filament_mm: Number = Field(1.75, ge=1, le=5)  # diameter of the filament
+    homes: Literal["away", "onto"]  # motion of the nozzle when z is homed: `away` from the bed, or down `onto` it
     speed: PrintSpeed
     frame: FabricFrame = FabricFrame()
+    # G-code that puts the height of the fabric to z = 0, with the `PLACEHOLDERS` in braces. Temperatures, homing,
+    # purging and the end are left to the slicer.
     start_code: Text = Field(max_length=10_000)
 
     @model_validator(mode="after")
@@ -155,22 +132,16 @@ class Printer(Section):
 
 
 class PlasticProfile(Section):
-    """A plastic for the printer. Its stiffness belongs to the design.
-
-    Attributes
-    ----------
-    density_kg_m3 : density, for the mass.
-    tiny_arm_mm : the export names stars with shorter arms, which may jump off the fabric.
-    nozzle_c, bed_c : temperatures in the instructions; None for no advice.
-    advice : lines of the instructions.
-    """
+    """A plastic for the printer. Its stiffness belongs to the design."""
 
     name: Line = Field(min_length=1, max_length=100)
-    density_kg_m3: MassDensity = Field(gt=0)
+    density_kg_m3: MassDensity = Field(gt=0)  # density, for the mass
+    # the export names stars with shorter arms, which may jump off the fabric
     tiny_arm_mm: Number = Field(3.0, ge=0, le=100)
+    # nozzle_c and bed_c: temperatures in the instructions; None for no advice
     nozzle_c: Number | None = Field(None, ge=0, le=500)
     bed_c: Number | None = Field(None, ge=0, le=200)
-    advice: tuple[Line, ...] = Field((), max_length=20)
+    advice: tuple[Line, ...] = Field((), max_length=20)  # lines of the instructions
 
 
 _PACKAGE_FOLDER = Path(__file__).parent / "data"
@@ -198,14 +169,10 @@ def readable_profiles(
 def load_printer(printer: str | Printer) -> Printer:
     """The profile of a printer.
 
-    Parameters
-    ----------
-    printer : name of a profile, path of a `.toml` or `.json` file, or the profile itself.
+    `printer`: name of a profile, path of a `.toml` or `.json` file, or the profile itself.
 
-    Raises
-    ------
-    DesignError
-        No profile has the name, or the file is wrong; the message names the field, its value and the range.
+    Raises DesignError: no profile has the name, or the file is wrong; the message names the field, its value and the
+    range.
     """
     return _load("printers", printer, Printer)
 
@@ -239,10 +206,7 @@ def _files(kind: str) -> list[Path]:
 def adjusted_printer(settings: ExportSettings) -> Printer:
     """The printer of some settings, with their layers, plate and frame in place of its own.
 
-    Raises
-    ------
-    DesignError
-        No profile has the name, or an option is out of range.
+    Raises DesignError: no profile has the name, or an option is out of range.
     """
     data = load_printer(settings.printer).model_dump(mode="json")
     if settings.first_layer_mm is not None:

@@ -237,18 +237,12 @@ def _covered(shape: Shape, points: Floats, off_mm: float) -> np.ndarray:
 
 @dataclass(frozen=True)
 class MeasuredComparison:
-    """A printed sheet compared with its computed shape.
+    """A printed sheet compared with its computed shape."""
 
-    Attributes
-    ----------
-    laid : the scan in its pose on the shape, or the outline in its pose on the shape's silhouette.
-    summary : all numbers; the content of summary.json.
-    title : head of the picture.
-    """
-
+    # the scan in its pose on the shape, or the outline in its pose on the shape's silhouette
     laid: ScanComparison | OutlineFit
-    summary: ScanComparisonRecord | OutlineComparisonRecord
-    title: str
+    summary: ScanComparisonRecord | OutlineComparisonRecord  # all numbers; the content of summary.json
+    title: str  # head of the picture
 
     @property
     def is_fit(self) -> bool:

@@ -53,16 +53,11 @@ MATERIAL_FIRST_LINE = "# Written by asterism strips fit, which writes over this 
 
 @dataclass(frozen=True)
 class FittedMaterial:
-    """A material fitted to a table of strips.
+    """A material fitted to a table of strips."""
 
-    Attributes
-    ----------
-    fits : one fit with its estimates, intervals and readings, or those along and across the grain.
-    table : name of the table.
-    """
-
+    # one fit with its estimates, intervals and readings, or those along and across the grain
     fits: tuple[StripFit, ...]
-    table: str
+    table: str  # name of the table
 
     @property
     def plastic(self) -> Plastic:

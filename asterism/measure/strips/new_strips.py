@@ -51,20 +51,13 @@ class PrintedStrip:
 
 @dataclass(frozen=True)
 class StripsPrint:
-    """A test print, of which the command has written the files.
-
-    Attributes
-    ----------
-    printer : the printer with the plate of the settings.
-    strips : the strips on the bed; all along x, or some along x and the others along y.
-    layers_mm : heights of the first layer and of the other layers.
-    files : names of the files.
-    """
+    """A test print, of which the command has written the files."""
 
     settings: StripPrintSettings
-    printer: Printer
-    strips: tuple[PrintedStrip, ...]
-    layers_mm: tuple[float, float]
+    printer: Printer  # the printer with the plate of the settings
+    strips: tuple[PrintedStrip, ...]  # the strips on the bed; all along x, or some along x and the others along y
+    layers_mm: tuple[float, float]  # heights of the first layer and of the other layers
+    # names of the files
     files: tuple[str, ...] = ("start.gcode", "strips.3mf", "strips.csv", "strips.pdf", "strips.stl")
 
     @property

@@ -1,4 +1,4 @@
-"""Edits that are broken off, dragged on, overtaken or undone."""
+"""Edits that are broken off, dragged on, overtaken or undone; moved pins, snapshots, and forms that were met."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import asterism.previews.solve as solve_module
+from asterism.equilibrium.errors import Error
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
@@ -163,3 +164,118 @@ def test_a_kept_form_can_be_searched_again() -> None:
     assert preview.equilibrium.guess == "form"
     assert preview.search_again().name == "equilibrium" and preview.equilibrium.guess != "form"
     assert np.array_equal(preview.equilibrium.x, Preview(smaller).equilibrium.x)
+
+
+POINTS = [[-48.0, -30.0], [48.0, -30.0], [48.0, 30.0], [-48.0, 30.0]]
+
+
+def needles(*heights: float, **stars: Any) -> Design:
+    target = [[0.8 * x, 0.8 * y, z] for (x, y), z in zip(POINTS, heights, strict=True)]
+    return edited("dome", pins=[{"points_mm": POINTS, "target_mm": target}], stars=stars)
+
+
+HEAVY = {"fabric": {"modulus_mpa": 0.005}, "gravity": {"on": True}}
+ON_CORNERS = {"pins": [{"where": "corners", "scale": 0.85}], "border": {"rectangle_mm": [80.0, 80.0], "rings": None}}
+
+
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [
+        (edited("dome"), edited("dome", stars={"thickness_mm": 0.32, "override": [{"star": 0, "remove": True}]})),
+        (edited("dome"), edited("dome", pins=[{"where": "border", "scale": 0.76}])),
+        (needles(0.0, 0.0, 0.0, 0.0), needles(-5.0, 12.0, 0.0, 3.0, thickness_mm=0.33)),
+        (edited("dome", **HEAVY), edited("dome", **HEAVY, plastic={"density_kg_m3": 20000.0})),
+        # the exact model's mesh, on which the softness at points depends
+        (edited("dome", **ON_CORNERS), edited("dome", **ON_CORNERS | {"mesh": {"edge_mm": 1.0}})),
+    ],
+    ids=["stars", "scale", "far, and other stars", "weight", "mesh"],
+)
+def test_an_edit_leads_to_the_equilibrium_of_a_new_preview(first: Design, second: Design) -> None:
+    preview = Preview(first)
+    before = preview.equilibrium.energy
+    stages = list(preview.edit(second))
+    assert [stage.name for stage in stages] == ["linear", "equilibrium"]
+    fresh = Preview(second)
+    assert preview.equilibrium.is_minimum and preview.equilibrium.guess == "edit"
+    assert preview.shell.loads.sum(axis=0) == pytest.approx(fresh.shell.loads.sum(axis=0))
+    assert preview.equilibrium.energy == pytest.approx(fresh.equilibrium.energy, rel=1e-8)
+    assert abs(preview.equilibrium.energy - before) > 1e-3 * abs(before)
+    assert stages[1].x == pytest.approx(fresh.equilibrium.x, abs=1e-5 * preview.shell.extent)
+
+
+def test_the_linear_response_is_right_to_first_order() -> None:
+    """A tenth of the move leaves a hundredth of the error."""
+    start = needles(0.0, 0.0, 0.0, 0.0)
+    errors = []
+    for move in (2.0, 0.2):
+        preview = Preview(start)
+        linear, final = preview.edit(needles(0.0, move, 0.0, 0.0))
+        held = preview.at(np.array(POINTS), linear.x).smooth
+        assert held[:, 2] == pytest.approx([0.0, move, 0.0, 0.0], abs=1e-9)
+        nodes = preview.shell.node_positions
+        errors.append(np.abs(nodes(linear.x) - nodes(final.x)).max())
+    assert errors[0] < 0.2 and errors[1] < 0.02 * errors[0]
+
+
+def test_pins_at_other_points_start_anew() -> None:
+    preview = Preview(needles(0.0, 0.0, 0.0, 0.0))
+    (stage,) = preview.edit(edited("dome", pins=[{"points_mm": POINTS[:3]}]))
+    assert stage.name == "equilibrium"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "change"), [("tube", {"stars": {"thickness_mm": 0.42}}), ("dome", {"border": {"rings": 2}})]
+)
+def test_a_preview_goes_back_to_a_snapshot(name: str, change: dict[str, Any]) -> None:
+    start = edited(name)
+    preview = Preview(start)
+    shape, snapshot = preview.shape(), pickle.loads(pickle.dumps(preview.snapshot()))
+    preview.update(edited(name, **change))
+    assert preview.restore(snapshot).name == "equilibrium"
+    assert preview.design == start and preview.equilibrium.is_minimum
+    assert preview.shape().positions == pytest.approx(shape.positions, abs=1e-6)
+    other = Preview(edited(name, **change))
+    other.restore(snapshot)
+    assert other.shape().height_mm == pytest.approx(shape.height_mm, rel=1e-8)
+
+
+def test_a_snapshot_does_not_change() -> None:
+    preview = Preview(edited("dome"))
+    snapshot = preview.snapshot()
+    with pytest.raises(ValueError, match="read-only"):
+        snapshot.x[0] = 0.0
+    linear = next(preview.edit(edited("dome", stars={"thickness_mm": 0.4})))
+    assert preview.snapshot().x == pytest.approx(snapshot.x) and linear.x is not snapshot.x
+
+
+@pytest.mark.slow
+def test_snapshots_of_other_meshes_are_refused() -> None:
+    fine, coarse = Preview(edited("dome"), triangles=150), Preview(edited("dome"), triangles=60)
+    before = coarse.state
+    with pytest.raises(Error, match="another mesh"):
+        coarse.restore(fine.snapshot())
+    assert coarse.state is before
+    with pytest.raises(TypeError):
+        coarse.restore(before)  # type: ignore[arg-type]
+
+
+@pytest.mark.slow
+def test_other_forms_are_shown_and_left_again() -> None:
+    """A snapshot of the design keeps them, one of another design has none."""
+    start = gallery.load("fig8-l-increasing")
+    preview, other = Preview(start), Preview(designs.edited("fig8-l-increasing", stars={"thickness_mm": 0.42}))
+    preview.restore(preview.snapshot())
+    forms = preview.forms
+    assert len(forms) == 1
+    for number in (-1, 1, 0.5, True):
+        with pytest.raises(ValueError, match="number"):
+            preview.show_form(number)  # type: ignore[arg-type]
+    first, energy = preview.equilibrium.energy, forms[0].energy_n_mm
+    preview.show_form(0)
+    assert preview.equilibrium.energy == pytest.approx(energy, rel=1e-6) and preview.equilibrium.is_minimum
+    back = [number for number, form in enumerate(preview.forms) if np.isclose(form.energy_n_mm, first, rtol=1e-6)]
+    preview.show_form(back[0])
+    assert preview.equilibrium.energy == pytest.approx(first, rel=1e-6)
+    preview.restore(other.snapshot())
+    assert not preview.forms

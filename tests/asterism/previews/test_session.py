@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 from dataclasses import replace
 from functools import partial
@@ -20,11 +21,10 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.geometry.planar import polygon_area
 from asterism.pattern.layout.build import layout
-from asterism.pattern.layout.symmetries import symmetries
 from asterism.previews.fields.star_values import MAX_SIXFOLD_SHARE, star_values
 from asterism.previews.session import Preview
 from asterism.previews.sheet import BUMP_TURN_RAD, Arms
-from asterism.shape.comparison import compare_shapes
+from asterism.results.words import PlacedWarning
 from tests.asterism.previews.designs import edited
 from tests.asterism.previews.laws import SPACING, plain_law, with_values
 
@@ -87,22 +87,6 @@ def test_the_shape_covers_the_whole_print(curly: Preview) -> None:
 
 
 @pytest.mark.slow
-def test_an_edit_gives_the_shape_of_a_new_preview() -> None:
-    stars = {"thickness_mm": 0.27, "override": [{"star": 0, "remove": True}]}
-    preview, edited = Preview(CURLY, plain_law()), design(stars=stars, mesh={"edge_mm": 4.0})
-    linear, final = preview.edit(edited)
-    assert (linear.name, final.name) == ("linear", "equilibrium")
-    fresh = Preview(edited, plain_law())
-    assert preview.equilibrium.is_minimum
-    # the sheet may have more than one form, but it is the same sheet
-    x = preview.equilibrium.x
-    assert fresh.shell.energy(x) == pytest.approx(preview.equilibrium.energy, rel=1e-9)
-    assert np.linalg.norm(fresh.shell.gradient(x)) < 2.0 * preview.equilibrium.tolerance
-    assert preview.equilibrium.energy == pytest.approx(fresh.equilibrium.energy, rel=0.01)
-    assert preview.shape().height_mm == pytest.approx(fresh.shape().height_mm, rel=1e-3)
-
-
-@pytest.mark.slow
 def test_later_pins_take_hold_and_softness_is_known_after_edits_too() -> None:
     pins = [{"edges": [0]}, {"points_mm": [[0.0, -40.0]], "target_mm": [[0.0, -30.0, 5.0]], "step": 1}]
     one, other = (
@@ -118,18 +102,6 @@ def test_later_pins_take_hold_and_softness_is_known_after_edits_too() -> None:
     assert after["soft_modes_n_mm3"] == pytest.approx(new["soft_modes_n_mm3"], rel=1e-4)
     assert after["soft_modes_n_mm3"] != pytest.approx(before["soft_modes_n_mm3"], rel=1e-4)
     assert after["warnings"] == new["warnings"]
-
-
-@pytest.mark.slow
-def test_the_linear_response_is_right_to_first_order() -> None:
-    missed = []
-    for change in (0.002, 0.001):
-        preview = Preview(gallery.load("dome"), plain_law())
-        data = preview.design.to_dict()
-        data["stars"]["thickness_mm"] = 0.3 + change
-        linear, final = preview.edit(Design.from_dict(data))
-        missed.append(np.abs(linear.x - final.x).max())
-    assert missed[1] < 0.35 * missed[0]
 
 
 def test_an_edit_of_the_outline_starts_anew_and_a_refused_one_changes_nothing() -> None:
@@ -151,16 +123,14 @@ def test_an_edit_of_the_outline_starts_anew_and_a_refused_one_changes_nothing() 
 
 
 @pytest.mark.slow
-def test_a_dome_can_be_flipped() -> None:
+def test_a_dome_can_be_flipped_and_a_snapshot_restores_its_form() -> None:
     preview = Preview(gallery.load("dome"), plain_law())
-    up = preview.at(np.zeros((1, 2))).smooth[0, 2]
-    assert up > 1.0
-    preview.flip()
-    assert preview.equilibrium.is_minimum
-    down = preview.at(np.zeros((1, 2))).smooth[0, 2]
-    assert down < -1.0
-    preview.flip()
-    assert preview.at([0.0, 0.0]).smooth[0, 2] == pytest.approx(up, rel=1e-6)
+    up, snapshot = preview.at([0.0, 0.0]).smooth[0, 2], preview.snapshot()
+    for back in (preview.flip, lambda: preview.restore(snapshot)):
+        preview.flip()
+        assert preview.equilibrium.is_minimum and preview.at([0.0, 0.0]).smooth[0, 2] < -1.0 < 1.0 < up
+        back()
+        assert preview.at([0.0, 0.0]).smooth[0, 2] == pytest.approx(up, rel=1e-6)
 
 
 @pytest.mark.slow
@@ -257,25 +227,6 @@ def test_a_sheet_that_swings_keeps_its_form() -> None:
     assert not any("form" in line for line in heavy["warnings"])
 
 
-def test_arms_weigh_what_they_are_printed_as() -> None:
-    """Thicker and narrower from the centre to the tip: the integral of the section."""
-    axis = {"profile": "axis", "axis": "y", "over_mm": 40.0}
-    sizes = {
-        "length_mm": 8.0,
-        "vary_along_arms": True,
-        "thickness_mm": {**axis, "from": 0.2, "to": 0.9},
-        "width_mm": {**axis, "from": 3.0, "to": 0.8},
-    }
-    heavy = design(gravity={"on": True}, fabric={"modulus_mpa": 1.0, "density_kg_m3": 0.0}, stars=sizes)
-    plan = layout(heavy)
-    stars = len(plan.centres)
-    found = np.bincount(plan.arm_star, [rod.volume_mm3 for rod in plan.graph.rods], stars)
-    at = (np.arange(1000) + 0.5) / 1000
-    (t0, t1), (w0, w1) = plan.arm_thickness.T[..., None], plan.arm_width.T[..., None]
-    volume = ((t0 + (t1 - t0) * at) * (w0 + (w1 - w0) * at)).mean(axis=1) * plan.arm_length
-    np.testing.assert_allclose(found, np.bincount(plan.arm_star, volume, stars), rtol=1e-5)
-
-
 @pytest.mark.parametrize("border", [{"rings": 0}, {"rectangle_mm": [90.0, 60.0], "rings": None}])
 def test_a_sheet_weighs_what_is_printed(border: dict[str, Any]) -> None:
     """Where cells reach over the outline too."""
@@ -302,30 +253,16 @@ def test_an_edit_that_changes_nothing_leaves_an_equilibrium() -> None:
     assert not preview.equilibrium.is_minimum
 
 
-def test_an_edit_changes_the_weight() -> None:
-    """Of the plastic, and of the stars: as in a preview from nothing."""
-    heavy = gallery.load("dome").to_dict()
-    heavy["fabric"]["modulus_mpa"], heavy["gravity"] = 0.005, {"on": True}
-    preview = Preview(Design.from_dict(heavy), plain_law())
-    for section, change in (("plastic", {"density_kg_m3": 20000.0}), ("stars", {"thickness_mm": 0.35})):
-        heavy[section] |= change
-        edited = Design.from_dict(heavy)
-        list(preview.edit(edited))
-        fresh = Preview(edited, plain_law())
-        assert preview.shell.loads.sum(axis=0) == pytest.approx(fresh.shell.loads.sum(axis=0))
-        assert preview.equilibrium.energy == pytest.approx(fresh.equilibrium.energy, rel=1e-9)
-
-
 def test_warnings_name_stars_by_the_numbers_of_the_design() -> None:
     """And many stars are one warning."""
     odd = [{"star": 0, "remove": True}, *({"star": star, "thickness_mm": 0.9} for star in range(5, 9))]
     shape = Preview(design(stars={"override": odd}), plain_law()).shape()
-    assert len(shape.summary["stars_outside_law"]) == 4 and not shape.summary["law_in_range"]
+    outside = shape.summary["stars_outside_law"]
+    assert len(outside) == 4 and not shape.summary["law_in_range"] and "thickness_mm = 0.9 is outside" in outside[0]
     (line,) = [line for line in shape.summary["warnings"] if "outside the law" in line]
     assert line.startswith("4 of ") and "such as star 5 at [" in line
+    assert isinstance(line, PlacedWarning) and line.stars == (5, 6, 7, 8) and json.loads(json.dumps(line)) == line
     assert shape.star.max() == len(shape.star_vertices) and 0 not in shape.star[shape.star_vertices]
-    down = Preview(design(stars={"override": [odd[0], {"star": 3, "branch": "down"}]}), plain_law()).shape()
-    assert any("inverted" in line and line.endswith(": star 3") for line in down.summary["warnings"])
 
 
 def test_neighbours_that_no_sheet_can_join_are_refused_with_star_and_value() -> None:
@@ -357,15 +294,6 @@ def test_weight_that_nothing_carries_is_refused() -> None:
     with pytest.raises(DesignError, match=r"gravity.on"):
         list(preview.edit(design(**falls)))
     assert preview.design == design() and preview.equilibrium.is_minimum
-
-
-@pytest.mark.slow
-def test_the_exact_model_agrees() -> None:
-    """Signs, sides, axes and sizes at once: only turns and the design's own symmetries are taken out."""
-    bell = edited("bell", mesh={"edge_mm": 2.5})
-    shown, exact = asterism.preview(bell), exact_shape(bell)
-    found = compare_shapes(exact, shown, layout(bell), symmetries(bell, layout(bell)))
-    assert exact.summary["is_minimum"] and found.rms_percent < 2.5
 
 
 def test_bumps_flatten_where_the_sheet_is_held_apart():

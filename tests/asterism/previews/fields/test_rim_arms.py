@@ -133,18 +133,6 @@ def test_normals_are_those_of_the_nearest_side_and_vanish_where_it_is_held() -> 
     assert free_normals(alone, places) == pytest.approx(expected)
 
 
-def test_outlines_of_many_corners_are_asked_in_pieces(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Whatever the size of the tables, the answers are the same."""
-    held = Design.from_dict(TUBE.to_dict() | {"pins": [{"edges": [0, 1]}, {"corners": [3], "scale": 0.9}]})
-    plan = layout(held)
-    points = np.random.default_rng(2).uniform(-60.0, 60.0, (300, 2))
-    whole = free_normals(plan, points), plan.distance_to_supports(points)
-    monkeypatch.setattr("asterism.pattern.geometry.planar.MAX_TABLE_ENTRIES", 100)
-    np.testing.assert_array_equal(free_normals(plan, points), whole[0])
-    np.testing.assert_array_equal(plan.distance_to_supports(points), whole[1])
-    assert len(plan.distance_to_supports(points[:0])) == 0 and np.isinf(PLAN.distance_to_supports(points)).all()
-
-
 def test_a_side_in_pieces_is_one_side() -> None:
     """Held at a corner it keeps no curl along its whole length, however many corners lie on it."""
     corners = PLAN.outline

@@ -104,15 +104,6 @@ def test_half_way_between_two_stars_logarithms_are_averaged() -> None:
     assert 2.0 * rest[0] == pytest.approx(lam[0] * lam[1])
 
 
-def test_stars_beyond_the_law_are_named_with_their_place() -> None:
-    design = changed(stars={"override": [{"star": 3, "thickness_mm": 0.9}]})
-    plan = layout(design)
-    values = star_values(design, plan, plain_law())
-    x, y = plan.centres[3]
-    assert len(values.outside) == 1
-    assert values.outside[0].startswith(f"star 3 at [{x:.1f}, {y:.1f}]: thickness_mm = 0.9 is outside")
-
-
 @pytest.mark.parametrize(
     ("name", "value", "said"),
     [

@@ -7,7 +7,7 @@ import pytest
 
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-from asterism.previews.motif_sheet import MotifSheet, holes_within_cells, rims_of, small_holes
+from asterism.previews.motif_sheet import MotifSheet, rims_of, small_holes
 from asterism.previews.session import Preview
 from tests.asterism.previews.motifs.nets import net, net_law
 
@@ -64,19 +64,12 @@ def test_a_hole_within_a_cell_has_no_rim_of_its_own_and_a_warning_if_it_cuts_rod
     at_crossing, in_mesh = ({"circle_mm": {"centre": [x, x], "radius": 3}} for x in (5, 0))
     design = net(border={"rectangle_mm": (40.0, 40.0), "holes": [in_mesh, at_crossing]})
     plan = layout(design)
-    assert small_holes(plan) == [0, 1] and holes_within_cells(plan, design.border.tip_margin_mm) == [1]
+    (warning,) = MotifSheet.of(design, plan, net_law(design)).doubts()
+    assert small_holes(plan) == [0, 1] and warning.startswith("hole 1 is smaller than a cell")
     whole = net()
     assert rims_of(design, plan, 5.0).moment_mm2 == pytest.approx(rims_of(whole, layout(whole), 5.0).moment_mm2)
     wide = layout(net(border={"rectangle_mm": (40.0, 40.0), "holes": [ROUND]}))
     assert not small_holes(wide) and len(rims_of(design, wide, 5.0).moment_mm2) == 4 + len(wide.holes[0])
-
-
-@pytest.mark.slow
-def test_the_warning_names_the_hole() -> None:
-    design = net(border={"rectangle_mm": (40.0, 40.0), "holes": [{"circle_mm": {"centre": [5, 5], "radius": 3}}]})
-    preview = Preview(design, net_law(design))
-    assert preview.equilibrium.is_minimum
-    assert any(line.startswith("hole 0 is smaller than a cell") for line in preview.shape().summary["warnings"])
 
 
 def test_many_short_sides_have_the_moment_of_a_long_one_in_the_mean() -> None:
