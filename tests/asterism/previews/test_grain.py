@@ -1,4 +1,4 @@
-"""Previews of stars on fabric with a grain, and with two stretches, against the exact model."""
+"""Previews on fabric with a grain against the exact model; every template is a certified, printable start."""
 
 from __future__ import annotations
 
@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 
 from asterism.exact.simulation import exact_shape
+from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
-from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.build import layout, load_design
 from asterism.pattern.layout.symmetries import symmetries
 from asterism.previews.session import preview
+from asterism.print.bed_placement import size_warning
 from asterism.shape.comparison import compare_shapes
 from asterism.shape.shape import Shape
 
@@ -44,3 +46,22 @@ def test_a_free_sheet_rolls_about_the_axis_of_the_exact_model(fabric: dict[str, 
     assert min(apart, 180.0 - apart) < 5.0
     plan = layout(design)
     assert compare_shapes(exact, shown, plan, symmetries(design, plan)).rms_percent < 1.5
+
+
+def test_one_sentence_says_what_a_design_is() -> None:
+    assert not set(gallery.template_names()) & set(gallery.names())
+    for name in (*gallery.template_names(), *gallery.names()):
+        words = gallery.words(name)
+        assert words.endswith(".") and 10 <= len(words) <= 140 and "\n" not in words
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", gallery.template_names())
+def test_a_template_is_certified_and_printable(name: str) -> None:
+    design = load_design(gallery.path(name))
+    assert design.name == name and not list(size_warning(design))
+    # one or two layers of the printers that are listed
+    assert design.required_stars.thickness_mm in (0.3, 0.4)
+    summary = preview(design).summary
+    assert summary.is_minimum and summary.law_in_range and not summary.self_intersections
+    assert summary.height_mm > 25.0

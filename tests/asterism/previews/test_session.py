@@ -1,11 +1,12 @@
-"""The preview of a design: signs, pins, edits, bumps, and what its summary says."""
+"""The preview of a design: signs, pins, edits, bumps, other forms, parts of the model, and what its summary says."""
 
 from __future__ import annotations
 
 import json
 import re
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,14 +15,17 @@ from scipy.spatial.transform import Rotation
 
 import asterism
 from asterism.exact.simulation import exact_shape
-from asterism.homogenize.errors import LawError
+from asterism.homogenize.errors import LawError, UnreadableLaw
+from asterism.homogenize.law.law_file import PAPER_LAW
 from asterism.homogenize.law.star_law import QUANTITY_NAMES
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.geometry.planar import polygon_area
 from asterism.pattern.layout.build import layout
+from asterism.previews.fields.sheet_fields import PARTS, without
 from asterism.previews.fields.star_values import MAX_SIXFOLD_SHARE, star_values
+from asterism.previews.law_choice import law_of
 from asterism.previews.session import Preview
 from asterism.previews.sheet import BUMP_TURN_RAD, Arms
 from asterism.results.words import PlacedWarning
@@ -444,3 +448,86 @@ def test_nothing_is_expected_of_stars_that_are_sent_down() -> None:
     assert one["stars"] == 37 and one["expected_rms_percent"] is not None
     assert five["expected_rms_percent"] is None and five["expected_height_percent"] is None
     assert any(line.startswith("5 stars") and "inverted" in line for line in five["warnings"])
+
+
+def forms(thickness: object) -> Design:
+    stars = {"length_mm": 9.0, "thickness_mm": thickness, "width_mm": 1.2}
+    return Design.from_dict({"name": "forms", "stars": stars, "border": {"rings": 3}})
+
+
+@pytest.mark.slow
+def test_a_sheet_that_changes_along_a_line_has_several_forms() -> None:
+    skew = {"profile": "linear", "from": 0.35, "to": 0.2, "start_mm": [-34.0, -10.0], "end_mm": [34.0, 10.0]}
+    preview = Preview(forms(skew), plain_law())
+    summary = preview.shape().summary
+    others = summary["other_forms"]
+    assert others
+    for other in others:
+        assert other["distance_percent"] > 2.0
+        more = other["gap"] * preview.equilibrium.absolute_energy
+        assert other["energy_n_mm"] == pytest.approx(summary["energy_n_mm"] + more)
+        assert any(trial["energy"] == other["energy_n_mm"] for trial in summary["starts"])
+    shown = [text for label, text in summary.table().items() if label.startswith("other form")]
+    assert len(shown) == len(others) and all(text.endswith("more energy") for text in shown)
+
+
+def test_forms_that_symmetry_makes_equal_are_one() -> None:
+    preview = Preview(forms(0.3), plain_law())
+    assert len(preview.sheet.symmetries) == 6
+    assert preview.shape().summary["other_forms"] == []
+
+
+# parts that act on a free sheet; others need supports, holes or stars of other kinds
+ALWAYS = [
+    "rosette metric",
+    "Gaussian curvature",
+    "roll axis",
+    "arms into free rims",
+    "bumps",
+    "arms that keep their length",
+]
+FREE = {
+    "stars": {"length_mm": {"profile": "radial", "from": 6.0, "to": 12.0, "over_mm": 40.0}, "thickness_mm": 0.35},
+    "border": {"rings": 2},
+    "mesh": {"edge_mm": 4.0},
+}
+
+
+@cache
+def whole() -> Preview:
+    return Preview(Design.from_dict(FREE), plain_law())
+
+
+@pytest.mark.parametrize("part", ALWAYS)
+def test_a_part_that_is_turned_off_changes_a_free_sheet(part: str) -> None:
+    on, off = whole(), Preview(Design.from_dict(FREE), plain_law(), model=without(part))
+    points = np.vstack([on.sheet.layout.arm_tip, 0.99 * on.sheet.layout.outline])
+    assert np.abs(on.at(points).bumpy - off.at(points).bumpy).max() > 1e-6
+
+
+def test_parts_are_turned_off_by_their_names() -> None:
+    assert [without(part).off for part in PARTS] == [(part,) for part in PARTS]
+    with pytest.raises(KeyError):
+        without("roll axes")
+
+
+def test_an_edit_keeps_the_model() -> None:
+    model = without("arms into free rims")
+    preview = Preview(Design.from_dict(FREE), plain_law(), model=model)
+    preview.update(Design.from_dict(FREE | {"border": {"rings": 1}}))
+    assert preview.sheet.model is model
+
+
+def test_a_file_is_read_again_only_after_a_change(tmp_path: Path) -> None:
+    file = tmp_path / "own.npz"
+    design = Design.from_dict({"stars": {"length_mm": 8.0}, "border": {"rings": 1}, "material": {"law": str(file)}})
+    with pytest.raises(UnreadableLaw, match=r"own\.npz: cannot be read: No such file"):
+        law_of(design)
+    file.write_bytes(PAPER_LAW.read_bytes())
+    law = law_of(design)
+    assert law_of(design) is law
+    file.write_bytes(b"damaged")
+    with pytest.raises(LawError, match=r"own\.npz: is not a law, or damaged"):
+        law_of(design)
+    file.write_bytes(PAPER_LAW.read_bytes())
+    assert law_of(design) is not law

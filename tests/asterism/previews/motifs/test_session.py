@@ -68,30 +68,6 @@ def test_sizes_are_edited_without_new_cells(tmp_path: Path, monkeypatch: pytest.
 
 
 @pytest.mark.slow
-def test_pins_hold_the_sheet_where_they_are() -> None:
-    design = net(pins=[{"where": "corners", "scale": 0.9}])
-    shape = Preview(design, net_law(design)).shape()
-    corners = np.array([[-20.0, -20.0], [20.0, -20.0], [20.0, 20.0], [-20.0, 20.0]])
-    places = shape.at(corners, off_sheet_mm=1e-6)
-    assert places == pytest.approx(np.hstack([0.9 * corners, np.zeros((4, 1))]), abs=1e-6)
-    assert shape.summary.is_minimum and shape.held
-    lifted = net(pins=[{"where": "corners", "scale": 0.9, "offset_mm": (0.0, 0.0, 5.0)}])
-    session = Preview(design, net_law(design))
-    assert [stage.name for stage in session.edit(lifted)] == ["linear", "equilibrium"]
-
-
-@pytest.mark.slow
-def test_a_session_returns_to_its_snapshot_and_turns_over() -> None:
-    design = net()
-    session = Preview(design, net_law(net(GRADED)))
-    kept, energy = session.snapshot(), session.equilibrium.energy
-    session.update(net(0.45))
-    session.restore(kept)
-    assert session.design == design and session.equilibrium.energy == pytest.approx(energy)
-    assert session.flip() in ("up", "down") and session.equilibrium.is_minimum
-
-
-@pytest.mark.slow
 def test_one_session_takes_another_motif_and_stars_after_a_motif(monkeypatch: pytest.MonkeyPatch) -> None:
     def serving(design: Design, plan: object, known: Any, say: Any) -> Any:
         return plain_law() if design.rods is None else net_law(design, known, say)
