@@ -6,6 +6,7 @@ import numpy as np
 import trimesh
 
 from asterism.equilibrium.arrays import Floats, Ints
+from asterism.fitting.disk import height_mesh
 from benchmarks.fit_targets import rectangle_mesh, round_mesh
 
 
@@ -87,3 +88,8 @@ def crossing_sheet() -> Mesh:
     number = np.arange(len(vertices)).reshape(61, 9)
     a, b, c, d = (part.ravel() for part in (number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]))
     return vertices, np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
+
+
+def dome(width: float = 80.0, rise: float = 10.0, points: int = 41) -> Mesh:
+    x = np.linspace(-0.5 * width, 0.5 * width, points)
+    return height_mesh(rise * (1.0 - (2.0 * x[None] / width) ** 2) * (1.0 - (2.0 * x[:, None] / width) ** 2), x, x)

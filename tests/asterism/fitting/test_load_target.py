@@ -16,7 +16,7 @@ from asterism.equilibrium.arrays import Floats
 from asterism.fitting.disk import disk_of, height_mesh
 from asterism.fitting.errors import TargetError
 from asterism.fitting.target import TargetSurface, load_target
-from tests.asterism.fitting.broken_targets import dome
+from tests.asterism.fitting.surfaces import dome
 
 WIDTH, RISE = 90.0, 12.0
 

@@ -1,9 +1,11 @@
-"""Calibration as a user meets it: one command makes a law, another shows it."""
+"""Calibration as a user meets it: a command makes a law of stars, of others or of a design; another shows it."""
 
 from __future__ import annotations
 
 import io
 import json
+import shlex
+import shutil
 import signal
 import subprocess
 import sys
@@ -16,10 +18,17 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from asterism.homogenize.campaign.workers import CampaignProgress
-from asterism.homogenize.law.law_file import law_digest, load_law
+from asterism.homogenize.errors import LawError
+from asterism.homogenize.law.anisotropy import ANISOTROPY_SIZE, sample_anisotropy
+from asterism.homogenize.law.law_file import law_bytes, law_digest, load_law
 from asterism.homogenize.law.plan import CellTask, SampleRecord
+from asterism.homogenize.law.star_law import StarLaw
+from asterism.laws.show_law import directions_warning
+from asterism.pattern.design.design import Design
+from asterism.previews.session import Preview
 from asterism.process.progress_line import CountLine
 from tests.asterism.commands import Cli
+from tests.asterism.previews.laws import plain_law
 from tests.homogenize import same_process
 
 PLAN = """
@@ -165,3 +174,151 @@ def test_cells_that_fail_for_one_reason_have_one_line() -> None:
         watch.report(CampaignProgress(number + 1, 80, number + 1, None, failed))
     lines = [line for line in stream.getvalue().splitlines() if "no answer" in line]
     assert lines == ["  no answer: length 5 mm: gradient 0 N: no minimum"]
+
+
+# its law takes a quarter of a minute; such laws, and previews with them, have quick tests beside their code
+LEFT = "which previews model in part"
+
+
+@pytest.fixture(scope="module")
+def five(tmp_path_factory: pytest.TempPathFactory) -> tuple[StarLaw, str]:
+    """A law of five-armed stars, whose longest arms overlap, and what its command printed."""
+    folder: Path = tmp_path_factory.mktemp("five")
+    plan = PLAN.replace("[3.0, 10.0]", "[7.0, 12.0]").replace("held_out = 1", "held_out = 0")
+    plan = plan.replace("[0.3, 0.5]", "[0.3, 0.4]").replace("edge_mm = 4.0", "edge_mm = 2.2")
+    (folder / "five.toml").write_text(plan + "[lattice]\narms = 5\n")
+    result = run("calibrate", "five.toml", "--jobs", "2", cwd=folder)
+    assert result.returncode == 0, result.stderr
+    law = load_law(folder / "five.npz")
+    assert isinstance(law, StarLaw)
+    return law, result.stdout
+
+
+def sheet(arms: int, length: float = 6.0) -> Design:
+    stars = {"length_mm": length, "thickness_mm": 0.4}
+    return Design.from_dict({"lattice": {"arms": arms}, "stars": stars, "border": {"rings": 1}})
+
+
+@pytest.mark.slow
+def test_the_law_says_what_it_leaves_out(five: tuple[StarLaw, str]) -> None:
+    law, printed = five
+    line = directions_warning(law)
+    assert line is not None and LEFT in line and "% at most" in line
+    assert line in printed
+    samples = [cell["sample"] for cell in law.samples if cell["sample"] and cell["length_mm"] > 0]
+    assert len(samples) == 2
+    assert all(len(sample["natural_curvature"]) == 6 for sample in samples)
+    values = law.at(1.35)(np.array([0.0, 4.0, 7.0]), 0.3, 1.2).value
+    assert values["lam"][0] * 1.35 == pytest.approx(1.0, abs=1e-8)
+    assert values["kappa"][0] == 0.0 < values["kappa"][1:].min()
+    np.testing.assert_array_equal(values["c3"], 0.0)
+    # arms that overlap are cells without an answer
+    overlapping = [cell for cell in law.samples if cell["length_mm"] == 12.0]
+    assert len(overlapping) == 2 and all("shorten or turn them" in cell["problem"] for cell in overlapping)
+    assert "cells without a law" in printed and not law.at(1.35)(10.0, 0.3, 1.2).inside[0]
+
+
+@pytest.mark.slow
+def test_the_law_holds_what_differs_between_directions(five: tuple[StarLaw, str]) -> None:
+    law = five[0]
+    table = law.at(1.35)
+    assert table.anisotropy(7.0, 0.3, 1.2).shape == (1, ANISOTROPY_SIZE)
+    assert not table.anisotropy(0.0, 0.3, 1.2).any()
+    cell = next(cell for cell in law.samples if cell["length_mm"] == 7.0 and cell["sample"])
+    found = law.anisotropy(sheet(5), *(cell[name] for name in ("length_mm", "thickness_mm", "width_mm")))
+    np.testing.assert_allclose(found[0], sample_anisotropy(cell["sample"]), rtol=1e-9, atol=1e-12)
+
+
+@pytest.mark.slow
+def test_a_sheet_of_five_arms_bends_differently_in_each_direction(five: tuple[StarLaw, str]) -> None:
+    with pytest.raises(LawError, match=r"lattice\.arms = 3: the law is for another lattice, of 5"):
+        Preview(sheet(3), five[0])
+    preview = Preview(sheet(5), five[0])
+    bending = np.asarray(preview.shell.density.stiffness)[..., 3:5, 3:5]
+    assert np.abs(bending[..., 0, 0] / bending[..., 1, 1] - 1.0).max() > 0.01
+    assert preview.equilibrium.is_minimum
+    thicker = sheet(5).to_dict()
+    thicker["stars"]["thickness_mm"] = 0.45
+    edited = preview.update(Design.from_dict(thicker))
+    assert edited.height_mm == pytest.approx(Preview(Design.from_dict(thicker), five[0]).shape().height_mm, rel=0.01)
+
+
+DESIGN = """
+name = "thick"
+[fabric]
+thickness_mm = {thickness}
+bending = "{bending}"
+[lattice]
+spacing_mm = 17.320508
+[stars]
+length_mm = 6.0
+thickness_mm = 0.5
+[border]
+rings = 1
+"""
+
+
+def write(path: Path, thickness: float = 2.0, bending: str = "paper") -> None:
+    path.write_text(DESIGN.format(thickness=thickness, bending=bending))
+
+
+@pytest.mark.slow
+@pytest.mark.usefixtures("blank_pictures")
+def test_a_preview_learns_its_fabric_and_a_calibration_finds_the_cells(here: Path, cli: Cli) -> None:
+    write(here / "my sheet.toml")
+    first = cli(["preview", "my sheet.toml"])
+    assert first.status == 0 and "learning this fabric: cell 1 of 2" in first.err
+    summary = json.loads((here / "my sheet" / "summary.json").read_text())
+    assert summary["law_in_range"] and summary["law"]["material"] == "thick" and summary["is_minimum"]
+    made = cli(["calibrate", "my sheet.toml"])
+    assert made.status == 0 and made.err.splitlines() == ["  2 of 2 cells"]
+    then = shlex.split(made.out.splitlines()[-1].removeprefix("now run  asterism "))
+    assert cli(then).status == 0
+    again = json.loads((here / "my sheet" / "summary.json").read_text())
+    assert again["height_mm"] == pytest.approx(summary["height_mm"], rel=1e-9)
+    # the law's own files are beside the results, not among them
+    assert cli(["law", "show", "my sheet-law.npz"]).status == 0
+    shutil.copy(here / "my sheet-law.npz", here / "my sheet.npz")
+    assert cli(["law", "show", "my sheet.npz"]).status == 0
+    assert (here / "my sheet" / "shape.vtu").exists()
+    (here / "mine").mkdir()
+    (here / "mine" / "summary.json").write_text('{"mine": 1}')
+    refused = cli(["law", "show", "my sheet.npz", "-o", "mine"])
+    assert refused.status == 2 and "was not written by asterism" in refused.line
+    assert (here / "my sheet-law" / "law.png").exists() and not (here / "my sheet" / "law.png").exists()
+    assert load_law(here / "my sheet-law.npz").made["command"] == "asterism calibrate my sheet.toml"
+    gone = cli(["law", "forget"])
+    assert gone.out.strip() == f"2 cells removed from {here / 'cells'}" and not list((here / "cells").iterdir())
+
+
+def test_a_law_for_something_else_is_named(here: Path, cli: Cli) -> None:
+    (here / "foreign.npz").write_bytes(law_bytes(plain_law(1.2)))
+    write(here / "d.toml", 2.0)
+    refused = cli(["preview", "d.toml", "--law", "foreign.npz"])
+    assert refused.status == 2 and "asterism: d.toml: fabric." in refused.line
+    assert refused.line.endswith("(foreign.npz); without it the preview makes its own law")
+
+
+@pytest.mark.parametrize("word", ["preview", "verify", "calibrate"])
+def test_a_fabric_that_does_not_bend_has_no_law(word: str, here: Path, cli: Cli) -> None:
+    write(here / "d.toml", thickness=0.8, bending="none")
+    refused = cli([word, "d.toml"])
+    line = refused.err.splitlines()[-1]
+    assert refused.status == 2 and line.startswith("asterism: d.toml: fabric.bending = ") and "has no law" in line
+    assert "calibrate" not in line and "asterism simulate" in line
+    assert not list(here.glob("*.npz"))
+
+
+def test_mistakes(here: Path, cli: Cli) -> None:
+    write(here / "d.toml")
+    (here / "m.toml").write_text('[fabric]\nbending = "none"\n')
+    (here / "both.toml").write_text(DESIGN.format(thickness=2.0, bending="paper") + "[plan]\nheld_out = 0\n")
+    for words, said in (
+        (["calibrate", "m.toml"], "fabric.bending"),
+        (["calibrate", "m.toml", "--material", "m.toml"], "--material = 'm.toml': goes with a design"),
+        (["calibrate", "d.toml", "--material", "m.toml"], "fabric.bending"),
+        (["calibrate", "both.toml"], "both.toml: plan"),
+    ):
+        refused = cli(words)
+        assert refused.status == 2 and said in refused.line, refused.line
+    assert not (here / "cells").exists() or not list((here / "cells").iterdir())
