@@ -240,10 +240,6 @@ def _rim_band(ring: Floats, spacing_mm: float) -> Floats:
     return points[distance_to_outline(points, ring) < 0.6 * spacing_mm]
 
 
-# of the spacing: distance of needles along the outline
-NEEDLE_STEP = 1.6
-
-
 @dataclass(frozen=True, eq=False)
 class _OutlineChoice:
     """The outline of a print."""
@@ -256,7 +252,7 @@ class _OutlineChoice:
 def _choose_outline(target_map: TargetMap, needles: int | None) -> _OutlineChoice:
     """The outline with its needles.
 
-    Needles stand at the corners of the border, and between them at equal distances of about `NEEDLE_STEP` spacings.
+    Needles stand at the corners of the border, and between them at equal distances of about 1.6 spacings.
     With a number of needles, they stand at equal distances from a corner on; 0 gives a free sheet.
     """
     disk = target_map.flat.disk
@@ -274,7 +270,7 @@ def _choose_outline(target_map: TargetMap, needles: int | None) -> _OutlineChoic
         held = np.empty(0)
     gaps = np.diff(np.append(starts, starts[0] + total))
     if needles is None:
-        counts = np.maximum(np.rint(gaps / (NEEDLE_STEP * target_map.spacing_mm)), 1).astype(int)
+        counts = np.maximum(np.rint(gaps / (1.6 * target_map.spacing_mm)), 1).astype(int)
         if len(starts) == 1:
             counts = np.maximum(counts, 3)
         starts = np.concatenate([s + g * np.arange(n) / n for s, g, n in zip(starts, gaps, counts, strict=True)])

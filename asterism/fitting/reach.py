@@ -81,8 +81,6 @@ class StarMenu:
 
 # a needed ratio up to this multiple of the available one is tried, with a warning: the sheet strains a little
 MAX_RATIO_EXCESS = 1.06
-# fewest stars of a fit: of smaller sheets most is rim, which the stars do not shape
-MIN_FITTED_STARS = 19
 
 
 def choose_stretch(needed_ratio: float, menus: Sequence[StarMenu]) -> StarMenu:
@@ -128,11 +126,12 @@ def target_reach(
     `menus`: of the chosen stretch, and of all stretches of the law, for messages.
     """
     warnings: list[str] = []
-    if len(stars) < MIN_FITTED_STARS:
-        factor = np.sqrt(MIN_FITTED_STARS / max(len(stars), 1))
+    fewest = 19  # of smaller sheets most is rim, which the stars do not shape
+    if len(stars) < fewest:
+        factor = np.sqrt(fewest / max(len(stars), 1))
         raise ReachError(
-            f"{name}: has room for {len(stars)} stars {menu.spacing_mm:.1f} mm apart, at least {MIN_FITTED_STARS} are "
-            f"needed: make the target about {np.ceil(10 * factor) / 10:.1f} times larger"
+            f"{name}: has room for {len(stars)} stars {menu.spacing_mm:.1f} mm apart, at least {fewest} are needed: "
+            f"make the target about {np.ceil(10 * factor) / 10:.1f} times larger"
         )
     places = target_map.places(stars)
     limit = MAX_SEPARATED_CURL / menu.spacing_mm

@@ -25,8 +25,6 @@ from asterism.pattern.geometry.diameter import diameter
 from asterism.pattern.geometry.normals import triangle_normals, vertex_normals
 from asterism.shape.self_intersections import self_intersections
 
-# points along the longer side of a height field
-HEIGHT_POINTS = 60
 # a fit uses the target over cells of some mm; 20 000 triangles resolve a target of 4 m to some hundredths of a cell
 MAX_TARGET_TRIANGLES = 20_000
 PICTURE_FORMATS = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".bmp", ".webp")
@@ -152,8 +150,9 @@ class TargetSurface:
         depth_mm = width_mm if depth_mm is None else depth_mm
         if not (np.isfinite([width_mm, depth_mm]).all() and min(width_mm, depth_mm) > 0.0):
             raise TargetError(name, f"a rectangle of {width_mm:g} x {depth_mm:g} mm must have positive sides")
-        x = np.linspace(-0.5 * width_mm, 0.5 * width_mm, HEIGHT_POINTS)
-        y = np.linspace(-0.5 * depth_mm, 0.5 * depth_mm, max(int(HEIGHT_POINTS * min(depth_mm / width_mm, 4.0)), 8))
+        points = 60  # along the width
+        x = np.linspace(-0.5 * width_mm, 0.5 * width_mm, points)
+        y = np.linspace(-0.5 * depth_mm, 0.5 * depth_mm, max(int(points * min(depth_mm / width_mm, 4.0)), 8))
         across, along = np.meshgrid(x, y)
         return cls.of_heights(_evaluated(name, formula, {"x": across, "y": along}), x, y, name)
 
@@ -354,16 +353,7 @@ def _decimated(disk: Disk, name: str) -> tuple[Disk, str]:
     return smaller, f"{before} triangles are decimated to {after}, which moves the surface by at most {moved:.2g} mm"
 
 
-# larger files take more than a minute on a busy machine: one of 64 MB, with 1.3 million triangles, took 58 s
-MAX_MESH_BYTES = 60_000_000
 ARRAY_FORMATS = (".npy", ".csv")
-# larger files of numbers are refused
-MAX_ARRAY_BYTES = 200_000_000
-MAX_CSV_BYTES = 20_000_000
-# points along the longer side; finer fields are averaged over blocks, which also evens out the steps of grey values
-MAX_HEIGHT_POINTS = 100
-# largest ratio of the sides of a field
-MAX_FIELD_ASPECT = 20.0
 
 
 def load_target(
@@ -421,8 +411,8 @@ def load_target(
     if ending == RHINO_FORMAT:
         vertices, triangles = read_rhino(path, None if unit is None else MM[unit])
     elif ending in SCAN_FORMATS:
-        if path.is_file() and path.stat().st_size > MAX_MESH_BYTES:
-            raise TargetError(path, f"is larger than {MAX_MESH_BYTES // 1_000_000} MB: simplify it")
+        if path.is_file():  # 64 MB, with 1.3 million triangles, take a minute on a busy machine
+            _check_length(path, 60, ": simplify it")
         vertices, triangles = read_surface(path)
         vertices = MM[unit or "mm"] * vertices
     else:
@@ -450,8 +440,8 @@ def _heights(
             raise TargetError(path, "heights_mm belongs to pictures: the numbers of an array are heights")
         heights = mm * (_array(path) if path.suffix.lower() == ".npy" else _table(path))
     rows, columns = heights.shape
-    if min(rows, columns) < 2 or max(rows, columns) > MAX_FIELD_ASPECT * min(rows, columns):
-        allowed = f"at least 2 x 2, and one side at most {MAX_FIELD_ASPECT:g} times as long as the other"
+    if min(rows, columns) < 2 or max(rows, columns) > 20 * min(rows, columns):
+        allowed = "at least 2 x 2, and one side at most 20 times as long as the other"
         raise TargetError(path, f"has {columns} x {rows} values: must be {allowed}")
     step = extent_mm / (columns - 1)
     reduced, block = _blocks(heights)
@@ -481,10 +471,14 @@ def _picture_heights(path: Path, heights_mm: tuple[float, float] | None) -> Floa
     return low + (high - low) * levels
 
 
+def _check_length(path: Path, megabytes: int, remedy: str = "") -> None:
+    if path.stat().st_size > 1_000_000 * megabytes:
+        raise TargetError(path, f"is larger than {megabytes} MB{remedy}")
+
+
 def _array(path: Path) -> Floats:
     """(m, n) numbers of a .npy file, nan where there is no surface."""
-    if path.stat().st_size > MAX_ARRAY_BYTES:
-        raise TargetError(path, f"is larger than {MAX_ARRAY_BYTES // 1_000_000} MB")
+    _check_length(path, 200)
     try:
         values = np.load(path, allow_pickle=False)
     except (OSError, ValueError, EOFError, SyntaxError, MemoryError):
@@ -499,8 +493,7 @@ def _array(path: Path) -> Floats:
 
 def _table(path: Path) -> Floats:
     """(m, n) numbers of a CSV file; an empty cell has no surface. Commas, semicolons or tabs separate the cells."""
-    if path.stat().st_size > MAX_CSV_BYTES:
-        raise TargetError(path, f"is larger than {MAX_CSV_BYTES // 1_000_000} MB")
+    _check_length(path, 20)
     try:
         text = path.read_bytes().decode("utf-8-sig")
     except UnicodeDecodeError:
@@ -537,12 +530,12 @@ def _finite(path: Path, values: Floats) -> Floats:
 
 
 def _blocks(heights: Floats) -> tuple[Floats, int]:
-    """Means over square blocks, so many that `MAX_HEIGHT_POINTS` remain along the longer side, and a block's side.
+    """Means over square blocks, so many that 100 remain along the longer side, and a block's side.
 
-    Rows and columns that fill no block are left out, half of them on each side. A block has no surface if less than
-    half of it has.
+    This also evens out the steps of grey values. Rows and columns that fill no block are left out, half of them on each
+    side. A block has no surface if less than half of it has.
     """
-    block = int(np.ceil(max(heights.shape) / MAX_HEIGHT_POINTS))
+    block = int(np.ceil(max(heights.shape) / 100))
     if block == 1:
         return heights, 1
     counts = [size // block for size in heights.shape]

@@ -176,9 +176,6 @@ def read_overhangs(path: Path) -> list[float]:
 
 FORM_FILES = ("overhangs.csv", "overhangs.pdf")
 STRIPS = 4
-SLOPE_PEN = DrawingLayer("slope", "#c8553d", 0.3)
-# horizontal side of the printed slope
-_SLOPE_MM = 100.0
 
 
 def write_overhang_form(directory: str | Path) -> tuple[str, ...]:
@@ -232,14 +229,14 @@ def _steps() -> list[str]:
 
 def _slope(top: float) -> list[Polyline | Label]:
     """The triangle to cut out: level above, upright at the table, and the slope."""
-    depth = _SLOPE_MM * float(np.tan(np.radians(SLOPE_DEG)))
-    left = 55.0
-    corners = np.array([[left, top], [left + _SLOPE_MM, top - depth], [left, top - depth], [left, top]])
+    width, left = 100.0, 55.0
+    depth = width * float(np.tan(np.radians(SLOPE_DEG)))
+    corners = np.array([[left, top], [left + width, top - depth], [left, top - depth], [left, top]])
     edge = np.array([left + 3.0, top - depth + 4.0])
     return [
-        Polyline(SLOPE_PEN, corners),
+        Polyline(DrawingLayer("slope", "#c8553d", 0.3), corners),
         Label(HELP_PEN, np.array([left - 2.0, top + 1.5]), "edge of the table", 3.0),
-        Label(HELP_PEN, edge, f"{SLOPE_DEG:g} degrees at 1:1; lower side {_SLOPE_MM:g} mm", 3.0),
+        Label(HELP_PEN, edge, f"{SLOPE_DEG:g} degrees at 1:1; lower side {width:g} mm", 3.0),
     ]
 
 

@@ -195,7 +195,7 @@ class Preview:
         return [form for form, _ in other_forms(self.state)]
 
     def at(self, points: Floats, x: Floats | None = None) -> Places:
-        """The positions of printed points (n, 2) mm in space, in the pose of the shell; `shape` turns free sheets upright.
+        """The positions of printed points (n, 2) mm, in the pose of the shell; `shape` turns free sheets upright.
 
         `x`: degrees of freedom of the shell, from a `Stage`; those of the equilibrium by default. Raises ValueError if
         `points` has another form, or a point is outside of the sheet, or x does not belong to this mesh.

@@ -47,10 +47,6 @@ from asterism.results.records.export import (
 from asterism.shape.shape import Shape
 from asterism.shape.vtu import folder_of, read_shape, write_rods_vtu, write_shape_vtu
 
-# name of the rounded design
-ROUNDED = "rounded.toml"
-# name of the files on demand, without their ending
-MODEL_STEM = "model"
 # files of some exports; those of an earlier export are removed
 OPTIONAL_FILES: dict[str, tuple[FormatKind, ...]] = {
     "stars": ("solid", "script"),
@@ -62,7 +58,7 @@ OPTIONAL_FILES: dict[str, tuple[FormatKind, ...]] = {
     "middle-lines": ("drawing",),
     "needles": ("table", "drawing"),
     "shape": ("shape",),
-    MODEL_STEM: ("model",),
+    "model": ("model",),
 }
 
 
@@ -276,14 +272,14 @@ def write_export(
         write_all("pages", folder, "instructions", instructions.as_pages(job, parts))
         (folder / "instructions.txt").write_text(instructions.as_text(job, parts), encoding="utf-8", newline="\n")
         (folder / "start.gcode").write_text(job.start_code, encoding="utf-8", newline="\n")
-        save_design(job.design, folder / ROUNDED)
+        save_design(job.design, folder / "rounded.toml")
         if job.shape is not None:
             write_all("shape", folder, "shape", job.shape, job.design.name)
             write_shape_vtu(job.shape, folder / "shape.vtu")
             if job.shape.rods:
                 write_rods_vtu(job.shape, folder / "rods.vtu")
         for each in formats:
-            each.write(folder / f"{MODEL_STEM}{each.suffix}", job)
+            each.write(folder / f"model{each.suffix}", job)
         summary = _summary(job, tiny, change, sorted([EXPORT_SUMMARY_FILE, *(file.name for file in folder.iterdir())]))
         (folder / EXPORT_SUMMARY_FILE).write_text(summary.json_text(), encoding="utf-8")
     return summary
@@ -297,7 +293,7 @@ def export_file_names(has_shape: bool) -> list[str]:
     (True, False)
     """
     stems = {**OPTIONAL_FILES, "print": ("print",), "layout": ("drawing", "pages"), "instructions": ("pages",)}
-    own = [ROUNDED, "instructions.txt", "start.gcode"]
+    own = ["rounded.toml", "instructions.txt", "start.gcode"]
     if has_shape:
         own += ["shape.vtu", "rods.vtu"]
     else:

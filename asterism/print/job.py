@@ -34,9 +34,6 @@ from asterism.print.solid import (
 from asterism.results.records.export import PrintCostRecord, SizeChangeRecord
 from asterism.shape.shape import Shape
 
-# sides of check squares, the preferred first
-CHECK_SQUARES_MM = (100.0, 80.0, 60.0, 50.0, 40.0, 30.0, 20.0, 10.0, 5.0, 2.0, 1.0)
-
 
 @dataclass(frozen=True)
 class Job:
@@ -125,7 +122,8 @@ class Job:
         room = np.asarray(self.printer.frame.opening_mm) / self.clamped_stretch
         # largest part of the frame's opening for the stretched check square
         most = 0.8 * float(room.min()) + 1e-9
-        return next((side for side in CHECK_SQUARES_MM if side <= most), CHECK_SQUARES_MM[-1])
+        sides = (100.0, 80.0, 60.0, 50.0, 40.0, 30.0, 20.0, 10.0, 5.0, 2.0)
+        return next((side for side in sides if side <= most), 1.0)
 
     @property
     def check_after_mm(self) -> tuple[float, float]:

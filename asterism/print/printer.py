@@ -23,13 +23,10 @@ def _sides(size: Point) -> Point:
 
 
 Sides = Annotated[Point, AfterValidator(_sides)]
-LayerHeight = Annotated[Number, Field(ge=0.05, le=2)]
 # names in braces that a start code may contain
 PLACEHOLDERS = ("z_offset_mm", "above_bed_mm", "above_fabric_mm")
 # first line of every start code
 NOT_COMPLETE = "; not a complete start: put it after the slicer's own, which heats, homes and purges"
-# height of the nozzle above the fabric when the start code sets z
-ABOVE_FABRIC_MM = 10.0
 
 
 class PrintSpeed(Section):
@@ -75,7 +72,7 @@ class Printer(Section):
     origin: Literal["corner", "centre"] = "corner"
     nozzle_mm: Number = Field(0.4, ge=0.1, le=2)  # diameter of the nozzle, which is also the width of a line
     # allowed heights of the first layer, the preferred first
-    first_layers_mm: tuple[LayerHeight, ...] = Field(min_length=1, max_length=20)
+    first_layers_mm: tuple[Annotated[Number, Field(ge=0.05, le=2)], ...] = Field(min_length=1, max_length=20)
     layer_mm: Number = Field(ge=0.01, le=2)  # height of the other layers
     filament_mm: Number = Field(1.75, ge=1, le=5)  # diameter of the filament
     homes: Literal["away", "onto"]  # motion of the nozzle when z is homed: `away` from the bed, or down `onto` it
@@ -121,7 +118,8 @@ class Printer(Section):
 
         `released_mm` is the thickness of the released fabric, if that of the stretched fabric is not known.
         """
-        values = (z_offset_mm, z_offset_mm + ABOVE_FABRIC_MM, ABOVE_FABRIC_MM)
+        above = 10.0  # mm, of the nozzle above the fabric when the start code sets z
+        values = (z_offset_mm, z_offset_mm + above, above)
         code = self.start_code
         for name, value in zip(PLACEHOLDERS, values, strict=True):
             code = code.replace("{" + name + "}", f"{value:.2f}")
@@ -144,7 +142,6 @@ class PlasticProfile(Section):
     advice: tuple[Line, ...] = Field((), max_length=20)  # lines of the instructions
 
 
-_PACKAGE_FOLDER = Path(__file__).parent / "data"
 _Kind = TypeVar("_Kind", bound=Section)
 
 
@@ -200,7 +197,8 @@ def _load(kind: str, name_or_file: str | _Kind, section: type[_Kind]) -> _Kind:
 
 def _files(kind: str) -> list[Path]:
     """In the order of the search: of `ASTERISM_PROFILES`, of the user, of the package."""
-    return [file for folder in (*own_folders(), _PACKAGE_FOLDER) for file in sorted((folder / kind).glob("*.toml"))]
+    folders = (*own_folders(), Path(__file__).parent / "data")
+    return [file for folder in folders for file in sorted((folder / kind).glob("*.toml"))]
 
 
 def adjusted_printer(settings: ExportSettings) -> Printer:

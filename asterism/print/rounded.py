@@ -15,14 +15,8 @@ from asterism.pattern.layout.layout import Layout
 from asterism.print.printer import Printer
 from asterism.results.records.export import SizeChangeRecord, TinyStarRecord
 
-# layer heights of common printers, the largest first
-_LAYERS_MM = (0.2, 0.15, 0.1, 0.05)
-# heights of the first layer, the preferred first
-_FIRST_LAYERS_MM = (0.2, 0.3, 0.15, 0.25, 0.1)
 # largest height of a layer over the width of a line
 MAX_LAYER_OVER_LINE = 0.75
-# relative change of the thickness from which other layers are proposed
-_MIN_CHANGE_FOR_PROPOSAL = 0.02
 
 
 def with_rounding(design: Design, rounding: Rounding | None) -> Design:
@@ -72,19 +66,19 @@ def _sizes(plan: Layout, name: str) -> Floats:
 
 def better_layers(plan: Layout, rounding: Rounding) -> Rounding | None:
     """Layers whose rounding changes a layout much less; None if there are none."""
-    now = _thickness_change(plan, rounding)
-    if now < _MIN_CHANGE_FOR_PROPOSAL:
+    now, small = _thickness_change(plan, rounding), 0.02  # relative change, below which no others are proposed
+    if now < small:
         return None
     others = [
         rounding.model_copy(update={"first_layer_mm": first, "layer_mm": layer})
-        for layer in _LAYERS_MM
-        for first in _FIRST_LAYERS_MM
+        for layer in (0.2, 0.15, 0.1, 0.05)  # those of common printers, the largest first
+        for first in (0.2, 0.3, 0.15, 0.25, 0.1)  # the preferred first
         if max(first, layer) <= MAX_LAYER_OVER_LINE * rounding.line_mm + 1e-9
     ]
     if not others:
         return None
     # the largest layers whose change is small enough, or else the best
-    good = [other for other in others if _thickness_change(plan, other) < _MIN_CHANGE_FOR_PROPOSAL]
+    good = [other for other in others if _thickness_change(plan, other) < small]
     best = good[0] if good else min(others, key=lambda other: _thickness_change(plan, other))
     return best if _thickness_change(plan, best) < now / 2 else None
 

@@ -42,9 +42,6 @@ from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import surface_triangle_areas
 from asterism.shape.vtu import folder_of, read_shape
 
-# largest distance from the middle of the fabric to the scanned side
-_MAX_LIFT_MM = 2.0
-
 
 @dataclass(frozen=True)
 class FittedSize:
@@ -111,8 +108,9 @@ def _fit(
         # flat and round shapes have motions that change no distance: damp them
         information += 1e-6 * np.trace(information) / 7 * np.eye(7)
         step = -np.linalg.solve(information, rows.T @ offset)
-        if lift and abs(raised + step[6]) > _MAX_LIFT_MM:
-            step[6] = np.copysign(_MAX_LIFT_MM, raised + step[6]) - raised
+        # mm, largest distance from the middle of the fabric to the scanned side
+        if lift and abs(raised + step[6]) > (most := 2.0):
+            step[6] = np.copysign(most, raised + step[6]) - raised
             step[:6] = -np.linalg.solve(information[:6, :6], rows[:, :6].T @ (offset + step[6] * rows[:, 6]))
         larger = 1.0 if lift else 1.0 + step[6] / size
         turn = larger * Rotation.from_rotvec(step[:3] / size).as_matrix()
@@ -136,14 +134,6 @@ def _rim(vertices: Floats, triangles: Ints, normals: Floats) -> tuple[Floats, Fl
     start, end = vertices[edges[single]].transpose(1, 0, 2)
     outwards = np.cross(end - start, normals[single % len(triangles)])
     return 0.5 * (start + end), outwards / np.maximum(np.linalg.norm(outwards, axis=1, keepdims=True), 1e-12)
-
-
-# poses count as equally good up to this factor of the best spread, ...
-_EQUAL_SPREAD_FACTOR = 1.1
-# ... plus this error of the registration
-_EQUAL_SPREAD_MM = 0.02
-# factor of the number of starts where the registration is hard
-_REPEATED_EFFORT = 3
 
 
 @dataclass(frozen=True)
@@ -196,20 +186,19 @@ class ScanComparison:
             best_size=None if own is None else own.ratio,
             rms_percent_at_best_size=None if own is None else 100 * own.rms_mm / size,
             rms_percent_lifted=None if own is None else 100 * own.lifted_rms_mm / size,
-            poses_as_good=sum(
-                p.spread_mm <= _EQUAL_SPREAD_FACTOR * self.poses[0].spread_mm + _EQUAL_SPREAD_MM for p in self.poses
-            ),
+            # 0.02 mm is the error of the registration
+            poses_as_good=sum(p.spread_mm <= 1.1 * self.poses[0].spread_mm + 0.02 for p in self.poses),
             scan_to_shape=matrix.tolist(),
         )
 
 
 def compare_scan(shape: Shape, scan: Scan, trim: float = 0.2) -> ScanComparison:
     """Register a scan with a shape, and measure the distances; at most a part `trim` of its points are other things."""
-    # a sheet among many other objects needs more starts
-    effort = _REPEATED_EFFORT if trim > 0.3 else 1
+    hard = 3  # factor of the number of starts: a sheet among many other objects needs more of them
+    effort = hard if trim > 0.3 else 1
     poses = register(scan.points, shape.positions, shape.triangles, trim, 0, effort)
     if effort == 1 and poses[0].spread_mm >= 0.002 * diameter(shape.positions):
-        poses += register(scan.points, shape.positions, shape.triangles, trim, 1, _REPEATED_EFFORT)
+        poses += register(scan.points, shape.positions, shape.triangles, trim, 1, hard)
         poses = distinct_poses(poses)
     points = poses[0](scan.points)
     nearest = NearestOnSurface(shape.positions, shape.triangles)(points)

@@ -23,8 +23,6 @@ from asterism.results.records.comparison import OutlineDistancesRecord
 from asterism.shape.shape import Shape
 
 OUTLINE_FORMATS = (".svg", ".csv")
-# largest coordinate in a CSV file, in its unit
-_MAX_COORDINATE = 1e6
 
 
 @dataclass(frozen=True)
@@ -60,7 +58,7 @@ def _from_csv(path: Path, unit: str | None) -> Outline:
     unit = unit or "mm"
     names = ("x_mm", "y_mm")
     rows = read_rows(path, names, names)
-    corners = [[row.number_in(name, -_MAX_COORDINATE, _MAX_COORDINATE, needed=True) for name in names] for row in rows]
+    corners = [[row.number_in(name, -1e6, 1e6, needed=True) for name in names] for row in rows]
     points = np.array(corners, dtype=float).reshape(-1, 2) * MM[unit]
     closed = len(points) > 1 and np.array_equal(points[0], points[-1])
     return Outline(points[:-1] if closed else points, 1, unit)
@@ -89,10 +87,6 @@ def _from_drawing(path: Path, unit: str | None) -> Outline:
         raise ScanError(path, "holds no closed line with three corners or more")
     largest = max(rings, key=lambda ring: abs(polygon_area(ring)))
     return Outline(largest, len(rings), None if drawing.has_unit else unit or "mm")
-
-
-# initial rotations
-_ROTATION_STARTS = 72
 
 
 @dataclass(frozen=True)
@@ -147,7 +141,7 @@ def fit_outline(outline: Floats, target: Floats, trim: float = 0.1) -> OutlineFi
     tree = cKDTree(theirs)
     centre, goal = (np.array(shapely.Polygon(p).centroid.coords[0]) for p in (outline, target))
     few = ours[:: max(len(ours) // 400, 1)]
-    angles = np.arange(_ROTATION_STARTS) * 2 * np.pi / _ROTATION_STARTS
+    angles = np.arange(72) * 2 * np.pi / 72
     turns = Rotation.from_rotvec(np.outer(angles, [0.0, 0.0, 1.0])).as_matrix()[:, :2, :2]
     poses = [closest_points(few, Pose(r, goal - r @ centre, np.inf), theirs, tree, trim, 15) for r in turns]
     best = min(poses, key=SPREAD)

@@ -20,8 +20,6 @@ from asterism.measure.compare.scan import surface_samples
 from asterism.pattern.geometry.diameter import diameter
 from asterism.pattern.geometry.rigid_fit import rigid_fit
 
-# Tukey's biweight gives no weight to points beyond so many standard deviations
-_TUKEY_CUTOFF = 4.685
 # key that sorts poses, the best first
 SPREAD = attrgetter("spread_mm")
 
@@ -144,6 +142,7 @@ def _refine(points: Floats, pose: Pose, target: _Target, trim: float, most: int)
     """
     rotation, shift, distance = pose.rotation, pose.shift, np.empty(0)
     size = np.linalg.norm(points - points.mean(axis=0), axis=1).max()
+    cutoff = 4.685  # Tukey's biweight gives no weight to points beyond so many standard deviations
     reach = 5 * pose.spread_mm + 3 * target.spacing_mm
     for _ in range(most):
         placed = points @ rotation.T + shift
@@ -159,11 +158,11 @@ def _refine(points: Floats, pose: Pose, target: _Target, trim: float, most: int)
         distance = np.where(near, np.abs(offset), reach)
         # smallest scale of the distances: errors of the shape's triangles and of the scanner
         scale = max(1.4826 * float(np.quantile(distance, (1 - trim) / 2)), 0.02)
-        weight = np.maximum(1 - (distance / (_TUKEY_CUTOFF * scale)) ** 2, 0.0) ** 2 * near
+        weight = np.maximum(1 - (distance / (cutoff * scale)) ** 2, 0.0) ** 2 * near
         if np.count_nonzero(weight) < 10:
             return replace(pose, spread_mm=np.inf)
         # the reach shrinks slowly, so that a step does not lose the surface
-        reach = max(2 * _TUKEY_CUTOFF * scale, 3 * target.spacing_mm, reach / 2)
+        reach = max(2 * cutoff * scale, 3 * target.spacing_mm, reach / 2)
         centre = weight @ placed / weight.sum()
         rows = np.concatenate([np.cross(placed - centre, direction) / size, direction], axis=1)
         information = (rows * weight[:, None]).T @ rows

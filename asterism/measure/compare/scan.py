@@ -25,7 +25,6 @@ _PLY_TYPES = dict(zip(("char", "uchar", "short", "ushort", "int", "uint", "float
 _PLY_TYPES |= zip(("int8", "uint8", "int16", "uint16", "int32", "uint32", "float32", "float64"), _TYPES, strict=True)
 # length of a unit
 MM = {"mm": 1.0, "cm": 10.0, "m": 1000.0, "in": 25.4, "um": 0.001}
-_NAMES = {"mm": "millimetres", "cm": "centimetres", "m": "metres", "in": "inches", "um": "micrometres"}
 
 
 class ScanError(Error, ValueError):
@@ -72,7 +71,8 @@ def check_size(file: Path, size_mm: float, expected_mm: float, unit: str | None)
         return
     problem = f"is {size_mm / MM[unit]:.4g} {unit} large, the shape {expected_mm:.4g} mm"
     if likely:
-        names = " or ".join(_NAMES[other] for other in likely)
+        words = {"mm": "millimetres", "cm": "centimetres", "m": "metres", "in": "inches", "um": "micrometres"}
+        names = " or ".join(words[other] for other in likely)
         options = "use " + " or ".join(f"--units {other}" for other in likely)
         problem += f": it seems to be in {names}; {'correct its width and height' if own else options}"
     else:
@@ -280,17 +280,16 @@ class _Element:
     properties: list[tuple[str, list[str]]]
 
 
-_Columns = dict[tuple[str, str], Any]
-
-
-def _ply_columns(path: Path, elements: list[_Element], body: bytes, order: str) -> _Columns:
+def _ply_columns(path: Path, elements: list[_Element], body: bytes, order: str) -> dict[tuple[str, str], Any]:
     """The values of each element and property; without a byte order of a text, which has one line an element."""
     lines = [] if order else [line.split() for line in body.splitlines() if line.strip()]
     announced = sum(element.count for element in elements)
     if not order and len(lines) < announced:
         problem = f"it holds {len(lines)} of {announced} lines; is the file cut short?"
         raise ScanError(path, f"cannot be read as PLY: {problem}")
-    found: _Columns = {(element.name, name): [] for element in elements for name, _ in element.properties}
+    found: dict[tuple[str, str], Any] = {
+        (element.name, name): [] for element in elements for name, _ in element.properties
+    }
     rest, row, start = iter(lines), list[float](), 0
 
     def take(kind: str, count: int) -> Any:

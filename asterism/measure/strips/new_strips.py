@@ -29,12 +29,9 @@ from asterism.print.settings import ExportSettings
 from asterism.print.solid import Solid, Terrace, terraced_solid
 from asterism.results.files import OutputError, staged
 
-STRIP_WIDTH_MM = 4.0
 # gap between strips: space for scissors
 STRIP_GAP_MM = 8.0
 BED_MARGIN_MM = 5.0
-# thinnest layer of common printers
-_MIN_LAYER_UM = 40
 
 
 @dataclass(frozen=True)
@@ -84,7 +81,7 @@ def lay_out_strips(bed_mm: tuple[float, float], settings: StripPrintSettings) ->
     thicknesses_mm, both, length_mm = settings.thicknesses_mm, settings.both_directions, settings.length_mm
     count = settings.count or (5 if both else 10)
     total, room = count * len(thicknesses_mm), [side - 2 * BED_MARGIN_MM for side in bed_mm]
-    size = (length_mm, STRIP_WIDTH_MM)
+    size = (length_mm, 4.0)
     blocks: list[tuple[Direction | None, tuple[float, float]]]
     blocks = [("along", size), ("across", size[::-1])] if both else [(None, size)]
     given = f"{total * len(blocks)} strips of {length_mm:g} mm"
@@ -117,23 +114,15 @@ def layer_heights(thicknesses_mm: tuple[float, ...], nozzle_mm: float) -> tuple[
     step = math.gcd(*(h - heights[0] * in_one for h in heights)) or heights[0]
     others = next(step // parts for parts in range(1, step + 1) if step % parts == 0 and step // parts <= most)
     first = heights[0] if in_one else others
-    if min(first, others) < _MIN_LAYER_UM:
-        least = _MIN_LAYER_UM / 1000
-        which = f"{least:g} to {most / 1000:g} mm (nozzle {nozzle_mm:g} mm)"
+    if min(first, others) < (least := 40):  # the thinnest layer of common printers
+        which = f"{least / 1000:g} to {most / 1000:g} mm (nozzle {nozzle_mm:g} mm)"
         problem = f"must be a first layer and equal others, of {which}"
         raise DesignError("--thickness", problem, ", ".join(f"{h:g}" for h in sorted(thicknesses_mm)))
     return first / 1000, others / 1000
 
 
-# pens of the form
-# frames, rules and notes
+# pen of the form for frames, rules and notes
 HELP_PEN = DrawingLayer("help", "#7a7a82", 0.15)
-# the printed strips on the map
-STRIP_PEN = DrawingLayer("strips", "#26262b", 0.2, filled=True)
-# the box around a curled strip
-BOX_PEN = DrawingLayer("boxes", "#c8553d", 0.25, dash_mm=(1.5, 1.0))
-# the curled strip, seen from its edge
-ARC_PEN = DrawingLayer("arcs", "#2a6f97", 0.8)
 
 
 def strip_form(new: StripsPrint) -> tuple[Drawing, ...]:
@@ -208,10 +197,11 @@ def _map(new: StripsPrint) -> list[Polyline | Label]:
         Label(HELP_PEN, np.array([15.0, 14.5 + depth]), head, 3.0),
         rectangle(HELP_PEN, (width, depth), centre),
     ]
+    pen = DrawingLayer("strips", "#26262b", 0.2, filled=True)
     for strip in new.strips:
         size = (strip.size_mm[0] / parts, strip.size_mm[1] / parts)
         x, y = centre[0] + strip.centre_mm[0] / parts, centre[1] + strip.centre_mm[1] / parts
-        items.append(rectangle(STRIP_PEN, size, (x, y)))
+        items.append(rectangle(pen, size, (x, y)))
         is_upright = size[1] > size[0]  # and without space for its thickness
         label = str(strip.number) if is_upright else f"{strip.number}: {strip.thickness_mm:g}"
         items.append(Label(TEXT, np.array([x, y + size[1] / 2 + 0.6]), label, 2.3, end="middle"))
@@ -225,6 +215,7 @@ def wrapped(step: str) -> list[str]:
 
 def _boxes(corner: Floats) -> list[Polyline | Label]:
     """Three examples of arcs in their boxes."""
+    arc_pen, box_pen = DrawingLayer("arcs", "#2a6f97", 0.8), DrawingLayer("boxes", "#c8553d", 0.25, (1.5, 1.0))
     items: list[Polyline | Label] = []
     for column, (angle, name) in enumerate(((1.6, "up to half a circle"), (np.pi, "half a circle"), (4.4, "beyond"))):
         length = 42.0
@@ -233,8 +224,8 @@ def _boxes(corner: Floats) -> list[Polyline | Label]:
         line = radius * np.column_stack([np.sin(turn), np.cos(turn) - np.cos(angle / 2)])
         width, height = (float(side) for side in arc.box(1 / radius, length))
         middle = corner + np.array([30.0 + 60.0 * column, 6.0])
-        items.append(Polyline(ARC_PEN, middle + line))
-        items.append(rectangle(BOX_PEN, (width, height), (float(middle[0]), float(middle[1] + height / 2))))
+        items.append(Polyline(arc_pen, middle + line))
+        items.append(rectangle(box_pen, (width, height), (float(middle[0]), float(middle[1] + height / 2))))
         items.append(Label(HELP_PEN, middle - [0.0, 3.2], f"width {width:.0f}, height {height:.0f}", 2.6, end="middle"))
         items.append(Label(HELP_PEN, middle - [0.0, 6.6], name, 2.6, end="middle"))
     return items

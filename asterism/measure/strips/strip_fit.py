@@ -23,10 +23,6 @@ from asterism.measure.strips.strip_table import DIRECTIONS, Reading
 from asterism.pattern.design.errors import from_validation
 from asterism.pattern.design.materials import Plastic, bilayer_curvature
 
-# Usual errors, for the weights of a fit; the scatter of the strips scales them. The first is that of a side of a box,
-# and repeats average it. The second is a part of the curvature, and equal strips may share it: by a wrong thickness.
-_USUAL_READING_MM = 0.3
-_USUAL_SHARE = 0.03
 # strips whose arc is lower look flat
 FLAT_HEIGHT_MM = 0.5
 
@@ -79,9 +75,11 @@ class StripData:
         return StripData(**(same | means | {"count": count})), kind
 
     def usual_error(self, curvature: Floats) -> Floats:
-        """(n,) 1/mm, usual errors at some curvatures (n,)."""
-        reading = (_USUAL_READING_MM * self.sensitivity) ** 2 / self.count
-        return np.asarray(np.sqrt(reading + (_USUAL_SHARE * curvature) ** 2 + self.limit**2 / 3))
+        """(n,) 1/mm, usual errors at some curvatures (n,), for weights; the scatter of the strips scales them."""
+        # 0.3 mm of a side of a box, which repeats average, and a part of the curvature that equal strips may share by a
+        # wrong thickness
+        reading = (0.3 * self.sensitivity) ** 2 / self.count
+        return np.asarray(np.sqrt(reading + (0.03 * curvature) ** 2 + self.limit**2 / 3))
 
     def beyond(self, curvature: Floats) -> Floats:
         """(n,) 1/mm, deviations from some curvatures (n,), as far as they exceed `limit`."""

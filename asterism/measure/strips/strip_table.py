@@ -30,13 +30,6 @@ _RANGES = {
     "stretch": (1.01, 3.0),
     "fabric_thickness_mm": (0.01, 10.0),
 }
-_MAX_BOX_MM = 2000.0
-# a reading is left out if the arc of its box differs from the length of the strip by more than this part
-_ARC_TOLERANCE = 0.1
-# a box is at most as high as wide, but that of a strip that is nearly a circle may be read higher, by this factor ...
-_MAX_HEIGHT_OVER_WIDTH = 1.02
-# ... and this length
-_HEIGHT_READING_ERROR_MM = 1.0
 
 
 @dataclass(frozen=True)
@@ -142,11 +135,12 @@ def _boxed(row: Row, prefix: str, reading: Reading, around: float) -> Measured:
     across, up = f"{prefix}box_width_mm", f"{prefix}box_height_mm"
     if row.cells.get(up, "").lower() == "flat":
         return reading, None
-    height = row.number_in(up, 0.0, _MAX_BOX_MM)
-    width = row.number_in(across, 0.1, _MAX_BOX_MM)
+    height = row.number_in(up, 0.0, 2000.0)
+    width = row.number_in(across, 0.1, 2000.0)
     if width is None or height is None:
         raise row.wrong(across if width is None else up, "is empty, but the other side of the box is given")
-    if height > _MAX_HEIGHT_OVER_WIDTH * width + _HEIGHT_READING_ERROR_MM:
+    # a box is at most as high as wide, but that of a strip that is nearly a circle may be read higher
+    if height > 1.02 * width + 1.0:
         raise row.wrong(up, f"{height:g} must be at most the width {width:g}: the width lies along the arc's chord")
     box = width, height
     height = min(height, width)
@@ -155,18 +149,19 @@ def _boxed(row: Row, prefix: str, reading: Reading, around: float) -> Measured:
             width, height = arc.line_box(width, height, around)
         except ValueError as error:
             raise row.wrong(across, str(error)) from None
-    length = reading.length_mm
+    # a reading is left out if the arc of its box differs from the length of the strip by more than this part
+    length, tolerance = reading.length_mm, 0.1
     arc_mm = float(arc.arc_length(width, height))
     for unit, factor in (("inches", 25.4), ("centimetres", 10.0), ("metres", 1000.0)):
-        if abs(arc_mm / length / factor - 1) < _ARC_TOLERANCE and unit != "metres":
+        if abs(arc_mm / length / factor - 1) < tolerance and unit != "metres":
             problem = f"{length:g} must be the length in mm, about {arc_mm:.0f} by its box; is it in {unit}?"
             raise row.wrong("length_mm", problem)
-        if abs(arc_mm / length * factor - 1) < _ARC_TOLERANCE:
+        if abs(arc_mm / length * factor - 1) < tolerance:
             problem = f"a strip of {length:g} mm has no arc of this size; is it in {unit}? write mm"
             raise row.wrong(across, problem)
     reading = replace(reading, curvature_per_mm=float(arc.curvature(width, height)) or None)
     rolled_over_itself = arc_mm < length and height > 0.95 * width
-    if abs(arc_mm / length - 1) > _ARC_TOLERANCE and not rolled_over_itself:
+    if abs(arc_mm / length - 1) > tolerance and not rolled_over_itself:
         reading = replace(reading, left_out=f"its box holds an arc of {arc_mm:.1f} mm, the strip has {length:g}")
     return reading, box
 

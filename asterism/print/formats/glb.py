@@ -9,9 +9,6 @@ import numpy as np
 from asterism.print.formats.registry import export_format
 from asterism.shape.shape import Shape
 
-# turns z upwards to y, and converts mm to metres
-_TO_METRES = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]]) * 1e-3
-
 
 @export_format("GLB", ".glb", "shape")
 def write_glb(path: Path, shape: Shape, name: str) -> None:
@@ -21,7 +18,8 @@ def write_glb(path: Path, shape: Shape, name: str) -> None:
     colour = {"baseColorFactor": [0.96, 0.90, 0.78, 1.0], "metallicFactor": 0.0, "roughnessFactor": 0.9}
     matte = trimesh.visual.material.PBRMaterial(**colour, doubleSided=True)
     visual = trimesh.visual.TextureVisuals(material=matte)
-    points = shape.positions @ _TO_METRES.T
+    # z upwards becomes y, and mm become metres
+    points = 1e-3 * shape.positions @ np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]])
     mesh = trimesh.Trimesh(points, shape.triangles, visual=visual, process=False)
     scene = trimesh.Scene()
     scene.add_geometry(mesh, node_name=name, geom_name=name)

@@ -10,15 +10,13 @@ from asterism.print.formats.registry import export_format
 from asterism.print.needles import Needle
 from asterism.results.words import fixed_point
 
-NEEDLE_COLUMNS = ("number", "printed_x_mm", "printed_y_mm", "x_mm", "y_mm", "z_mm", "slides", "step")
-
 
 @export_format("CSV", ".csv", "table")
 def write_needle_table(path: Path, needles: tuple[Needle, ...]) -> None:
     """Write needles, one line each; unknown places in space are empty."""
     with path.open("w", encoding="utf-8", newline="") as stream:
         table = csv.writer(stream, lineterminator="\n")
-        table.writerow(NEEDLE_COLUMNS)
+        table.writerow(("number", "printed_x_mm", "printed_y_mm", "x_mm", "y_mm", "z_mm", "slides", "step"))
         for needle in needles:
             place = ("", "", "") if needle.place is None else tuple(_known(value) for value in needle.place)
             printed = tuple(fixed_point(value, 3) for value in needle.printed)

@@ -11,16 +11,14 @@ from asterism.equilibrium.arrays import Floats
 from asterism.print.drawing import Circle, Drawing, DrawingLayer, Label, Polyline
 from asterism.print.formats.registry import export_format
 
-_SVG = "http://www.w3.org/2000/svg"
-_INKSCAPE = "http://www.inkscape.org/namespaces/inkscape"
-
 
 @export_format("SVG", ".svg", "drawing")
 def write_svg(path: Path, drawing: Drawing) -> None:
     """Write a drawing; coordinates to a tenth of a micrometre."""
     width, height = (_number(side) for side in drawing.size_mm)
     size = {"width": f"{width}mm", "height": f"{height}mm", "viewBox": f"0 0 {width} {height}"}
-    root = xml.Element("svg", {"xmlns": _SVG, "xmlns:inkscape": _INKSCAPE, **size})
+    spaces = {"xmlns": "http://www.w3.org/2000/svg", "xmlns:inkscape": "http://www.inkscape.org/namespaces/inkscape"}
+    root = xml.Element("svg", spaces | size)
     xml.SubElement(root, "title").text = drawing.title
     # y goes down from the upper left corner
     corner = np.array([drawing.low[0], drawing.high[1]])

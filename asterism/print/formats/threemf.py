@@ -18,12 +18,7 @@ from asterism.pattern.design.rounding import Rounding
 from asterism.print.formats.registry import export_format
 from asterism.print.solid import Solid
 
-_CORE = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
-_RELATIONS = "http://schemas.openxmlformats.org/package/2006/relationships"
-_TYPES = "http://schemas.openxmlformats.org/package/2006/content-types"
 _MODEL = "3D/3dmodel.model"
-# settings of single objects, as PrusaSlicer reads them; other programs pass over this file
-_SETTINGS = "Metadata/Slic3r_PE_model.config"
 # more walls than half the lines of the widest arm
 WALLS = 20
 
@@ -35,8 +30,8 @@ def write_3mf(path: Path, solids: Sequence[Solid], title: str, rounding: Roundin
     With the layers and lines of a `rounding`, each object carries settings for PrusaSlicer.
     """
     files = {"[Content_Types].xml": _content_types(), "_rels/.rels": _relations(), _MODEL: _model(solids, title)}
-    if rounding is not None:
-        files[_SETTINGS] = _settings(solids, rounding)
+    if rounding is not None:  # settings of single objects, as PrusaSlicer reads them; other programs pass over them
+        files["Metadata/Slic3r_PE_model.config"] = _settings(solids, rounding)
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as package:
         for name, root in files.items():
             content = xml.tostring(root, encoding="UTF-8", xml_declaration=True)
@@ -45,7 +40,8 @@ def write_3mf(path: Path, solids: Sequence[Solid], title: str, rounding: Roundin
 
 
 def _model(solids: Sequence[Solid], title: str) -> xml.Element:
-    model = xml.Element("model", {"xmlns": _CORE, "unit": "millimeter", "xml:lang": "en-US"})
+    core = "http://schemas.microsoft.com/3dmanufacturing/core/2015/02"
+    model = xml.Element("model", {"xmlns": core, "unit": "millimeter", "xml:lang": "en-US"})
     for name, value in (("Title", title), ("Application", "asterism")):
         xml.SubElement(model, "metadata", name=name).text = value
     resources, build = xml.SubElement(model, "resources"), xml.SubElement(model, "build")
@@ -72,7 +68,7 @@ def _settings(solids: Sequence[Solid], rounding: Rounding) -> xml.Element:
 
 
 def _content_types() -> xml.Element:
-    types = xml.Element("Types", xmlns=_TYPES)
+    types = xml.Element("Types", xmlns="http://schemas.openxmlformats.org/package/2006/content-types")
     for extension, kind in (
         ("rels", "application/vnd.openxmlformats-package.relationships+xml"),
         ("model", "application/vnd.ms-package.3dmanufacturing-3dmodel+xml"),
@@ -83,7 +79,7 @@ def _content_types() -> xml.Element:
 
 
 def _relations() -> xml.Element:
-    relations = xml.Element("Relationships", xmlns=_RELATIONS)
+    relations = xml.Element("Relationships", xmlns="http://schemas.openxmlformats.org/package/2006/relationships")
     kind = "http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel"
     xml.SubElement(relations, "Relationship", Target=f"/{_MODEL}", Id="rel0", Type=kind)
     return relations
