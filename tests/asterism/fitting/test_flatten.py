@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from asterism.equilibrium.arrays import Floats
-from asterism.fitting.disk import Disk, disk_of
+from asterism.fitting.disk import disk_of
 from asterism.fitting.flatten import FlatDisk, Flattener, least_ratio_border
-from benchmarks.fit_targets import rectangle_mesh, round_mesh
+from benchmarks.fit_targets import rectangle_mesh
 from tests.asterism.fitting.surfaces import cylinder_part, spherical_cap
 
 
@@ -82,13 +82,3 @@ def test_the_programme_is_never_above_constant_border_values() -> None:
     assert least.ratio < 1.0 + 0.9 * (constant.ratio - 1.0)
     cap = Flattener(disk_of(*spherical_cap(35.0, rings=12), "cap"))
     assert cap.flatten(least_ratio_border(cap)).ratio == pytest.approx(cap.flatten().ratio, rel=1e-4)
-
-
-def test_a_surface_turned_over_is_flattened_to_the_mirror_image() -> None:
-    plane, triangles = round_mesh(8)
-    vertices = np.column_stack([plane, 0.2 * plane[:, 0] ** 3 + 0.1 * plane[:, 1] ** 2])
-    disk = disk_of(vertices, triangles, "disk")
-    original, turned = (Flattener(each).flatten() for each in (disk, disk.turned_over()))
-    assert isinstance(turned.disk, Disk) and turned.flipped == 0
-    distances = [np.linalg.norm(flat.points[:, None] - flat.points[None], axis=2) for flat in (original, turned)]
-    assert distances[0] == pytest.approx(distances[1], abs=1e-9)

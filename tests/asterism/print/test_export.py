@@ -60,9 +60,7 @@ def test_the_design_is_not_written_over(file: Path, tmp_path: Path, run: Run) ->
 @pytest.mark.parametrize(
     ("options", "line"),
     [
-        (["--printer", "ulti"], "--printer = 'ulti': must be a file"),
         (["--printer", "mine.toml"], "mine.toml: cannot be read"),
-        (["--plastic", "wood"], "--plastic = 'wood': must be a file"),
         (["--layer", "1.9"], "--layer = 1.9: must be at most the nozzle's 0.4 mm"),
         (["--first-layer", "0.5"], "--first-layer = 0.5: must be at most the nozzle's 0.4 mm"),
         (["--plate", "-1"], "--plate = -1.0: must be at least 0"),
@@ -96,19 +94,6 @@ def test_files_of_an_earlier_export_go_and_those_of_somebody_else_stay(file: Pat
     # shape.obj may be that of the other result
     left = {"summary.json", "shape.obj"}
     assert {path.name for path in (tmp_path / "out").iterdir()} == (ALWAYS - {"border.stl"}) | left
-
-
-@pytest.mark.slow
-def test_an_export_that_fails_leaves_the_earlier_one(file: Path, tmp_path: Path, run: Run) -> None:
-    assert run("export", "d.toml", "-o", "out").status == 0
-    before = {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()}
-    (tmp_path / "out" / "print.3mf").unlink()
-    (tmp_path / "out" / "print.3mf").mkdir()
-    mistake(run("export", "d.toml", "-o", "out", "--plate", "9"))
-    (tmp_path / "out" / "print.3mf").rmdir()
-    after = {path.name: path.read_bytes() for path in (tmp_path / "out").iterdir()}
-    del before["print.3mf"]
-    assert after == before
 
 
 def test_another_plastic_than_the_designs_is_named() -> None:

@@ -26,7 +26,6 @@ from asterism.print.printer import adjusted_printer, load_printer
 from asterism.print.rounded import better_layers, choose_rounding, size_changes
 from asterism.print.settings import ExportSettings
 from asterism.print.solid import height_steps
-from tests.asterism.commands import Cli
 from tests.asterism.print.jobs import Run, design, job, mistake
 from tests.asterism.sheets import sheet
 
@@ -295,12 +294,6 @@ def test_a_large_print_is_named_with_the_printers_and_fits_a_printer_of_the_user
     # a file with a mistake does not hide the other printers
     (folder / "wrong.toml").write_text("name = 3\n")
     assert not list(size_warning(wide))
-
-
-@pytest.mark.slow
-def test_previews_warn_of_large_prints(here: Path, blank_pictures: None, cli: Cli) -> None:
-    save_design(rectangle(330.0, 60.0, fabric={}), here / "long.toml")
-    assert "no known printer holds the print of 330 x 60 mm" in cli(["preview", "long.toml"]).err
 
 
 @pytest.mark.slow

@@ -19,7 +19,6 @@ from asterism.measure.strips.settings import StripFitSettings
 from asterism.measure.strips.strip_table import Reading
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
-from asterism.pattern.design.materials import Plastic
 from asterism.pattern.design.spread import Spread
 from tests.asterism.commands import Cli
 from tests.asterism.measure.strips.synthetic import synthetic_readings
@@ -172,17 +171,6 @@ def test_the_options_fill_a_table_without_these_columns(tmp_path: Path, cli: Cli
         assert cli(words).status == 0
 
 
-@pytest.mark.parametrize("name", ["a\N{GRINNING FACE}.toml", "m\udce9s.toml"])
-def test_a_material_of_any_file_name_can_be_read(name: str, strips: Path, cli: Cli) -> None:
-    try:
-        odd = strips.rename(strips.with_name(name.replace(".toml", ".csv")))
-    except (OSError, UnicodeError):
-        pytest.skip("no such names on this disk")
-    path = strips.with_name(name)
-    assert cli(["strips", "fit", str(odd), "-o", str(path)]).status == 0
-    assert load_material(path).name.isprintable()
-
-
 def test_thicknesses_that_are_nearly_one_stay_apart(tmp_path: Path) -> None:
     near = [replace(r, thickness_mm=0.300001) if r.thickness_mm == 0.35 else r for r in synthetic_readings(0)]
     settings = StripFitSettings(kappa_bar="per-thickness")
@@ -237,27 +225,3 @@ def test_what_a_material_does_not_change_is_said(tmp_path: Path) -> None:
         load_material(file)
     with pytest.raises(DesignError, match=r"m\.toml: has no value in \[fabric\], \[plastic\] or \[spread\]"):
         with_notes('name = "empty"\n')
-
-
-@pytest.mark.slow
-@pytest.mark.usefixtures("blank_pictures")
-def test_simulate_takes_a_material(tmp_path: Path, cli: Cli) -> None:
-    (tmp_path / "d.toml").write_text("[stars]\nlength_mm = 10.0\n[border]\nrings = 0\n[mesh]\nedge_mm = 4.0\n")
-    (tmp_path / "m.toml").write_text("[plastic]\nmodulus_ratio = 2000.0\n")
-    words = ["simulate", str(tmp_path / "d.toml"), "-o", str(tmp_path / "out"), "--material"]
-    assert cli([*words, str(tmp_path / "m.toml")]).status == 0
-    summary = json.loads((tmp_path / "out" / "summary.json").read_text())
-    assert summary["design"]["plastic"]["modulus_ratio"] == 2000.0
-    assert "none.toml" in cli([*words, "none.toml"]).line
-
-
-@pytest.mark.slow
-def test_a_preview_of_a_measured_fabric(here: Path, cli: Cli) -> None:
-    """Measured strips of another fabric, then one command for the preview of a design."""
-    plastic = Plastic(modulus_ratio=4139.0, kappa_bar_per_mm=0.002)
-    strips = table(synthetic_readings(0, plastic, stretch=1.5, fabric_mm=0.5), here / "strips.csv")
-    assert cli(["strips", "fit", str(strips)]).status == 0
-    assert cli(["new", "dome"]).status == 0
-    done = cli(["preview", "dome.toml", "--material", "material.toml", "-o", "shape"])
-    assert done.status == 0 and "0 outside the law" in done.out
-    assert "stretch 1.5" in done.out and (here / "shape" / "shape.obj").exists()

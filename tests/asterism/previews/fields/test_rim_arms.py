@@ -168,15 +168,6 @@ def test_places_nearer_to_a_removed_star_than_to_others_are_in_its_hole() -> Non
     assert in_holes(plan, there).tolist() == [True, True, False, False]
 
 
-def test_what_is_open_to_the_rim_is_no_hole() -> None:
-    last = layout(TUBE).star_number[-1]
-    assert len(hole_sites(layout(removed(int(last))))) == 0
-    # from the middle to the rim
-    plan = layout(TUBE)
-    row = plan.star_number[(np.abs(plan.centres[:, 0]) < 1.0) & (plan.centres[:, 1] > -1.0)]
-    assert len(hole_sites(layout(removed(*row.tolist())))) == 0
-
-
 def test_the_fabric_of_a_hole_does_not_dip() -> None:
     """In the exact model it is 0.1 mm above the stars around it; with a rim's fall it would be 1.6 mm below them."""
     data = removed(0).to_dict()
