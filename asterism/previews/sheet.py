@@ -20,7 +20,7 @@ which is linear for stars of small natural curvature. In a sheet that is bent to
 
 **Supports that stretch the sheet** flatten the bumps: the tension grows with the strain, and a bump is inversely
 proportional to its stiffness. If lengths exceed those of the flat cell by the strain e, the height is divided by
-`1 + e / e_0`, with e_0 = `BUMP_STRAIN`.
+`1 + e / 0.045`.
 
 **At supports** the corrugation is zero, and it grows over the distance in which fabric follows a tip,
 `FABRIC_BEYOND_TIP`.
@@ -54,7 +54,7 @@ from asterism.pattern.design.errors import check_type
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
 from asterism.previews.fields.sheet_fields import free_normals, rim_curvature_share, sheet_fields
-from asterism.previews.fields.star_cells import Shares, StarCells, beside, stars_share
+from asterism.previews.fields.star_cells import Shares, StarCells, beside, shared, stars_share
 from asterism.previews.fields.star_values import StarPlaces, StarValues, star_values
 from asterism.previews.model import PreviewModel
 from asterism.previews.places import Places, SheetLens
@@ -77,8 +77,8 @@ class StarLens(SheetLens):
             self._shares = Shares(sheet.stars.shares.cells, self.points)
             self._nearest = cKDTree(layout.centres).query(self.points)[1]
         if before is None or sheet.arms is not before.arms:
-            known = None if before is None else self._arm_shares
-            self._arm_shares: ArmShares = arm_shares(sheet.arms, self.points, known)
+            known = None if before is None else (before.arms, self._arm_shares)
+            self._arm_shares = arm_shares(sheet.arms, self.points, known)
 
     def __call__(self, x: Floats) -> Places:
         """The positions of the points for degrees of freedom x (N, 3) of the shell."""
@@ -90,17 +90,17 @@ class StarLens(SheetLens):
         rim = 2.0 * smooth.mean_curvature, self._nearest, sheet.layout.spacing_mm
         heights = self._stays * corrugation_heights(self._waves, values, weights, *rim)
         if sheet.layout.pins:
-            heights *= flattening(values, weights, smooth.area)
+            lam = np.maximum(beside(weights, values.value["lam"][:-1]), values.value["lam"].min())
+            # half of a bump is left at a strain of 0.045: a fit to bumps of seven equal stars on held borders
+            heights /= 1.0 + np.maximum(np.sqrt(smooth.area) / lam - 1.0, 0.0) / 0.045
         bumps = heights[:, None] * smooth.normals
         if "arms that keep their length" not in off:
-            bumps += smooth.moved(self._arm_shares.along @ sheet.arms.moves(x))
+            bumps += smooth.moved(self._arm_shares @ sheet.arms.moves(x))
         return replace(smooth, bumps=bumps)
 
 
 # turn over a spacing in which bumps come most of the way from flat to natural: cells of long thin stars
 BUMP_TURN_RAD = 0.55
-# strain over the flat cell at which half of a bump is left: a fit to bumps of seven equal stars on held borders
-BUMP_STRAIN = 0.045
 
 
 def corrugation_heights(
@@ -117,8 +117,8 @@ def corrugation_heights(
     at the points; `curvature`: (n,) 1/mm, sum of the shell's principal curvatures, positive where the plastic side is
     convex; `nearest`: (n,) nearest star of each point; `spacing`: mm, spacing of the stars.
     """
-    flat, more = np.moveaxis(_shared(weights, values.corrugation), 1, 0)
-    bent = _bent(_shared(weights, values.value["kappa"]), curvature, spacing)
+    flat, more = np.moveaxis(shared(weights, values.corrugation), 1, 0)
+    bent = _bent(shared(weights, values.value["kappa"]), curvature, spacing)
     stars = np.einsum("nw,nw->n", flat + bent[:, None] * more, waves)
     near = beside(weights, values.value["kappa"][:-1], nearest)
     low, lower = beside(weights, values.tip_heights[:-1], nearest).T
@@ -127,27 +127,11 @@ def corrugation_heights(
     return np.asarray(stars + (1.0 - stars_share(weights)) * rim)
 
 
-def flattening(values: StarValues, weights: sp.csr_matrix, area: Floats) -> Floats:
-    """(n,) factor by which the stretch of a supported sheet reduces the height of its bumps.
-
-    `weights`: (n, S) share of each star; `area`: (n,) area of the sheet per printed area.
-    """
-    lam = np.maximum(beside(weights, values.value["lam"][:-1]), values.value["lam"].min())
-    return np.asarray(1.0 / (1.0 + np.maximum(np.sqrt(area) / lam - 1.0, 0.0) / BUMP_STRAIN))
-
-
 def _bent(kappa: Floats, curvature: Floats, spacing: float) -> Floats:
     """(n,) `kappa s(k)` in 1/mm at curvatures k (n,): zero for a flat sheet, kappa at the natural curvature."""
     # smallest natural turn over one spacing in the formula for s(k), to avoid a division by zero
     own = np.maximum(np.abs(kappa) * spacing, 1e-4)
     return np.asarray(own / spacing * np.tanh(curvature * spacing / BUMP_TURN_RAD) / np.tanh(own / BUMP_TURN_RAD))
-
-
-def _shared(weights: sp.csr_matrix, values: Floats) -> Floats:
-    """(n, ...) weighted mean of values (S + 1, ...) of the stars and, last, of bare fabric."""
-    bare = values[-1]
-    more = (values[:-1] - bare).reshape(len(values) - 1, -1)
-    return np.asarray(bare + (weights @ more).reshape(-1, *values.shape[1:]))
 
 
 # spacings, in which the fabric beside an arm and beyond its tip follows it: b. Both follow from flat cells, as in
@@ -180,38 +164,21 @@ class Arms:
         return np.asarray((excess / np.maximum(stretch, 1e-9))[:, None] * self.direction)
 
 
-@dataclass(frozen=True, eq=False)
-class ArmShares:
-    """Shares of A arms at n points; made by `arm_shares`."""
+def arm_shares(arms: Arms, points: Floats, before: tuple[Arms, sp.csc_matrix] | None = None) -> sp.csc_matrix:
+    """(n, A) shares of all arms, at points (n, 2) mm, in the moves of the tips along the sheet.
 
-    arms: Arms  # the arms
-    points: cKDTree  # the points
-    to_pin: Floats  # (n,) distance to the nearest supported point over that in which fabric follows an arm; at most 1
-    reach: float  # mm, distance from the middle of an arm up to which fabric follows it
-    along: sp.csc_matrix  # (n, A) shares of the tips' moves along the sheet
-
-
-def arm_shares(arms: Arms, points: Floats, before: ArmShares | None = None) -> ArmShares:
-    """The shares of all arms at points (n, 2) mm.
-
-    `before`: shares of other arms at these points, on a sheet with the same supported points. Those of arms that are
-    the same are used again.
+    `before`: other arms, on a sheet with the same supported points, and their shares at these points. Those of arms
+    that are the same are used again.
     """
     beside, beyond = (b * arms.layout.spacing_mm for b in (FABRIC_BESIDE_ARM, FABRIC_BEYOND_TIP))
     # fabric follows up to four times the length in which it does so by 1/e
-    reach, pins = 0.5 * float(arms.length.max()) + 4.0 * beyond, arms.layout.pin_points
-    known = np.zeros(len(arms.length), dtype=bool)
-    if before is None:
-        tree, to_pin = cKDTree(points), np.ones(len(points))
-        if len(pins):
-            to_pin = np.minimum(cKDTree(pins).query(points)[0] / beside, 1.0)
-    else:
-        tree, to_pin = before.points, before.to_pin
-        if len(before.arms.length) == len(arms.length) and before.reach == reach:
-            known = (before.arms.centre == arms.centre).all(axis=1) & (before.arms.tip == arms.tip).all(axis=1)
+    longest, pins = arms.length.max(), arms.layout.pin_points
+    reach, known = 0.5 * float(longest) + 4.0 * beyond, np.zeros(len(arms.length), dtype=bool)
+    if before is not None and len(before[0].length) == len(arms.length) and before[0].length.max() == longest:
+        known = (before[0].centre == arms.centre).all(axis=1) & (before[0].tip == arms.tip).all(axis=1)
     new = np.flatnonzero(~known)
     middle = arms.centre[new] + 0.5 * arms.length[new, None] * arms.direction[new]
-    pairs = cKDTree(middle).sparse_distance_matrix(tree, reach, output_type="ndarray")
+    pairs = cKDTree(middle).sparse_distance_matrix(cKDTree(points), reach, output_type="ndarray")
     arm, point = new[pairs["i"]], np.ascontiguousarray(pairs["j"])
     offset, direction = points[point] - arms.centre[arm], arms.direction[arm]
     along = np.einsum("pc,pc->p", offset, direction)
@@ -222,11 +189,13 @@ def arm_shares(arms: Arms, points: Floats, before: ArmShares | None = None) -> A
     part, ahead = np.minimum(along / length, 1.0), np.maximum(along - length, 0.0)
     crease = 0.1  # over this multiple of b, the crease of exp(-q/b) on the arm is rounded
     near = np.exp(crease - np.sqrt(crease**2 + (aside / beside) ** 2 + (ahead / beyond) ** 2))
-    near *= np.maximum(1.0 - np.sqrt(aside**2 + ahead**2) / arms.room[arm], 0.0) * to_pin[point]
+    near *= np.maximum(1.0 - np.sqrt(aside**2 + ahead**2) / arms.room[arm], 0.0)
+    if len(pins):
+        near *= np.minimum(cKDTree(pins).query(points)[0] / beside, 1.0)[point]
     shares = sp.csc_matrix((part * near, (point, arm)), shape=(len(points), len(known)))
     if before is not None and known.any():
-        shares = shares + before.along.multiply(known)
-    return ArmShares(arms, tree, to_pin, reach, sp.csc_matrix(shares))
+        shares = shares + before[1].multiply(known)
+    return sp.csc_matrix(shares)
 
 
 @dataclass(eq=False)

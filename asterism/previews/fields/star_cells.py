@@ -145,6 +145,12 @@ def stars_share(weights: sp.csr_matrix) -> Floats:
     return np.asarray(weights @ np.ones(weights.shape[1]))
 
 
+def shared(weights: sp.csr_matrix, of: Floats) -> Floats:
+    """(n, ...) weighted mean of values (S + 1, ...) of the stars and, last, of bare fabric."""
+    more = (of[:-1] - of[-1]).reshape(len(of) - 1, -1)
+    return np.asarray(of[-1] + (weights @ more).reshape(-1, *of.shape[1:]))
+
+
 def beside(weights: sp.csr_matrix, of: Floats, nearest: Ints | None = None) -> Floats:
     """(n, ...) mean of values (S, ...) over the stars near each place.
 

@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 import scipy.sparse as sp
 
-from asterism.equilibrium.arrays import Bools, Floats, Ints
+from asterism.equilibrium.arrays import Floats, Ints
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.anisotropy import BENDING_COLUMNS, MOMENT_COLUMNS, tube_of_largest_gain
 from asterism.homogenize.law.axes import law_coordinates
@@ -20,7 +20,7 @@ from asterism.homogenize.law.star_law import MAX_SEPARATED_CURL, QUANTITY_NAMES,
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.lattice import DEFAULT_SPACING_MM
 from asterism.pattern.layout.layout import Layout
-from asterism.previews.fields.star_cells import CELL_RADIUS, Shares
+from asterism.previews.fields.star_cells import CELL_RADIUS, Shares, shared
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 
 # share of the bending stiffness that the sixfold term may take away in one direction: cells of the paper's material
@@ -93,9 +93,13 @@ def star_values(design: Design, layout: Layout, law: StarLaw, model: PreviewMode
     )
     not_scale_separated = tuple(layout.star_number[curls[:-1]].tolist())
     corrugation = law.corrugation(design, *asked.T)
-    tip_heights = _tip_heights(design, law, asked[:, 0], corrugation)
-    c3, too_much = _bounded_sixfold(values.value)
-    strongly_anisotropic = tuple(layout.star_number[too_much[:-1]].tolist())
+    reach = np.minimum(asked[:, 0], CELL_RADIUS * design.lattice.spacing_mm)
+    arms = np.asarray(design.lattice.arm_directions)
+    waves = law.waves((reach[:, None] * arms[:, None]).reshape(-1, 2)).reshape(len(arms), len(reach), -1)
+    tip_heights = np.einsum("nkw,nw->nk", corrugation, waves.mean(axis=0))
+    most = MAX_SIXFOLD_SHARE * values.value["bending"] / np.maximum(np.abs(values.value["kappa"]), 1e-300)
+    c3 = np.clip(values.value["c3"], -most, most)
+    strongly_anisotropic = tuple(layout.star_number[(c3 != values.value["c3"])[:-1]].tolist())
     # a sheet with plastic below is the mirror image of one with plastic above: curvatures and heights change their sign
     side = np.append(layout.star_side, 1)
     flat = np.column_stack([side, np.ones_like(side)])  # heights of the flat cell, and their change per curvature
@@ -114,26 +118,6 @@ def star_values(design: Design, layout: Layout, law: StarLaw, model: PreviewMode
         flat * tip_heights,
         anisotropy,
     )
-
-
-def _bounded_sixfold(value: dict[str, Floats]) -> tuple[Floats, Bools]:
-    """(n,) `c3`, limited to a share of the bending stiffness, and (n,) bool, where the limit applies."""
-    c3, limit = value["c3"], MAX_SIXFOLD_SHARE * value["bending"]
-    size = np.abs(c3 * value["kappa"])
-    too_much = size > limit
-    return np.where(too_much, c3 * limit / np.where(too_much, size, 1.0), c3), too_much
-
-
-def _tip_heights(design: Design, law: StarLaw, length: Floats, corrugation: Floats) -> Floats:
-    """`tip_heights` of stars, see `StarValues`.
-
-    `length`: (n,) mm, length of the arms; `corrugation`: (n, 2, W) amplitudes of the law's waves, as in `StarValues`.
-    """
-    lattice = design.lattice
-    reach = np.minimum(length, CELL_RADIUS * lattice.spacing_mm)
-    arms = np.asarray(lattice.arm_directions)
-    waves = law.waves((reach[:, None] * arms[:, None]).reshape(-1, 2)).reshape(len(arms), len(reach), -1)
-    return np.einsum("nkw,nw->nk", corrugation, waves.mean(axis=0))
 
 
 def _check(layout: Layout, where: Sequence[str], value: dict[str, Floats]) -> None:
@@ -200,7 +184,7 @@ class StarPlaces:
         return self.log_mean("lam_n")
 
     def _mean(self, of: Floats, weights: sp.csr_matrix) -> Floats:
-        return np.asarray(of[-1] + weights @ (of[:-1] - of[-1])).reshape(*self.shape, *of.shape[1:])
+        return shared(weights, of).reshape(*self.shape, *of.shape[1:])
 
 
 def rosette(along: Floats, directions: Floats) -> Floats:
