@@ -99,16 +99,15 @@ def fabric_tension(fabric: Fabric, metric: Floats) -> Floats:
 
 @dataclass(frozen=True, eq=False)
 class MotifSheetValues:
-    """The law of a design's motif, evaluated with the sizes that the rods have at each place."""
+    """The law of a design's motif, with the sizes that the rods have at each place."""
 
     tensors: SheetTensors  # at the quadrature points, arrays (T, Q, ...)
-    # one line for each of the compared places on rods where sizes leave the range of the law. The nearest sizes in the
-    # range replace them.
-    outside: tuple[str, ...]
+    outside: tuple[
+        str, ...
+    ]  # one line for each compared place on rods whose sizes the law replaces by the nearest ones
     places: int  # number of these compared places
     is_uniform: bool  # whether all copies of the motif are equal
-    # whether much of the sheet is not scale-separated: never, since such cells have no law
-    has_tight_curls: ClassVar[bool] = False
+    has_tight_curls: ClassVar[bool] = False  # cells that are not scale-separated have no law
 
 
 @dataclass(eq=False)
@@ -218,22 +217,20 @@ class MotifSheet(PrintSheet):
 
     def plastic_mm(self) -> Callable[[Floats], Floats]:
         """Mean height of the plastic: as much as is printed, where the motif is."""
-        smeared = float(self.table.weights.ravel() @ self._motif_mm(self.points))
-        share = sum(rod.volume_mm3 for rod in self.layout.graph.rods) / smeared
-        return lambda points: share * self._motif_mm(points)
+        rods, area = self.design.required_rods, abs(float(np.linalg.det(np.asarray(self.design.lattice.vectors))))
 
-    def _motif_mm(self, points: Floats) -> Floats:
-        """(n,) mm, mean height of the plastic of the motif around printed points (n, 2) mm."""
-        design, rods = self.design, self.design.required_rods
-        area = abs(float(np.linalg.det(np.asarray(design.lattice.vectors))))
-        total = np.zeros(len(points))
-        for line in rods.motif:
-            length = np.linalg.norm(np.diff(polyline(line, rods.curve_mm), axis=0), axis=1).sum()
-            thickness, width = (
-                rounded(rods, key, sample(source_of(rods, line, key), points)) for key in ("thickness_mm", "width_mm")
-            )
-            total += thickness * width * length / area
-        return total
+        def of_motif(points: Floats) -> Floats:
+            total = np.zeros(len(points))
+            for line in rods.motif:
+                length = np.linalg.norm(np.diff(polyline(line, rods.curve_mm), axis=0), axis=1).sum()
+                sources = {key: source_of(rods, line, key) for key in ("thickness_mm", "width_mm")}
+                thickness, width = (rounded(rods, key, sample(of, points)) for key, of in sources.items())
+                total += thickness * width * length / area
+            return total
+
+        printed = sum(rod.volume_mm3 for rod in self.layout.graph.rods)
+        share = printed / float(self.table.weights.ravel() @ of_motif(self.points))
+        return lambda points: share * of_motif(points)
 
 
 def _lines(design: Design) -> object:
@@ -243,9 +240,9 @@ def _lines(design: Design) -> object:
 
 
 def _beside_bare(stiffness: Floats, curvature: Floats, bare: Floats, fabric: Fabric) -> tuple[Floats, Floats]:
-    """Stiffness (..., 6, 6) and rest curvature (..., 3) of a motif beside a share of bare fabric.
+    """Stiffness (..., 6, 6) and rest curvature (..., 3) of a motif beside bare fabric, which bends by its own.
 
-    The fabric bends with its own stiffness. Its membrane is left to `bare_fabric`.
+    The membrane of the fabric is left to `bare_fabric`.
     """
     share = bare[..., None, None]
     # a part of the motif's stiffness remains on bare fabric, so that no direction is without any
@@ -326,10 +323,7 @@ class Rims:
     moment_mm2: Floats  # (B,) Phi over N
 
     def gaussian(self, tension: Floats, points: Floats) -> Floats:
-        """(n,) N mm, the Gaussian modulus -phi at printed points (n, 2) mm.
-
-        `tension`: (n, 3) N/mm, of the fabric in the flat sheet, components 11, 22, 12, in printed coordinates.
-        """
+        """(n,) N mm, Gaussian modulus -phi at printed points (n, 2) mm with the tension (n, 3) N/mm of flat fabric."""
         x, y = self.along.T
         across = np.stack([x * x, y * y, 2.0 * x * y])  # of the tension along each side
         length = np.linalg.norm(self.end - self.start, axis=1)

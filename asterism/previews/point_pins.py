@@ -81,8 +81,7 @@ MIN_SOFTNESS = -0.5
 def softness(mesh: SheetMesh, pins: Floats, points: Floats, edge_mm: float) -> Floats:
     """(...,) softness s at printed points (..., 2) mm: the membrane stiffness is divided by 1 + s.
 
-    `mesh`: coarse mesh of the shell; `pins`: (n, 2) mm, vertices of the mesh; `points`: (..., 2) mm; `edge_mm`: edge
-    length h of the mesh of the exact model.
+    `mesh` is the shell's, `pins` (n, 2) mm are vertices of it, and `edge_mm` is the edge length h of the exact model.
     """
     edges, angles = around(mesh, pins)
     amounts = amounts_of(edges, angles, edge_mm)
@@ -98,11 +97,7 @@ def spot(pin: Floats, edge_mm: float, points: Floats) -> Floats:
 
 
 def amounts_of(edges: Floats, angles_deg: Floats, edge_mm: float) -> Floats:
-    """(n,) amplitudes A at pins; negative if h is long.
-
-    `edges`: (n,) mm, edge lengths L of the shell at the pins; `angles_deg`: (n,) angles alpha of the sheet at the pins;
-    `edge_mm`: edge length h of the exact model.
-    """
+    """(n,) amplitudes A at pins, edges L (n,) mm, angles (n,) of the sheet; negative if h = `edge_mm` is long."""
     lack, gain = (np.interp(angles_deg, ANGLES_DEG, of) for of in (LACK, GAIN))
     return np.maximum((np.log(edges / edge_mm) - lack) / gain, MIN_SOFTNESS)
 

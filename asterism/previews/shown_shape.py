@@ -114,7 +114,7 @@ def _parts_along(lines: Sequence[Floats]) -> tuple[Ints, Floats]:
 
 
 def summary(state: PreviewState, shape: Shape, seconds: dict[str, float]) -> PreviewRecord:
-    """The record of a preview's shape. Keys that it shares with the record of an exact shape have the same meaning."""
+    """The record of a preview's shape; keys that the record of an exact shape has too have the same meaning."""
     equilibrium, layout, error = state.equilibrium, state.layout, expected_error(state)
     law, values = state.sheet.law, state.sheet.values
     axis = roll_axis_from_normals(layout, shape.point_fields["normal"][sample_vertices(layout, shape)])
@@ -250,8 +250,7 @@ def support_ratio(layout: Layout) -> float:
 def preview_warnings(state: PreviewState, shape: Shape, crossings: int, overstretched: Sequence[int]) -> Iterator[str]:
     """The warnings, in the order of their causes: pattern, supports, equilibrium, shape.
 
-    `crossings`: number of pairs of triangles of the shape that pass through each other; `overstretched`: numbers of the
-    stars around which the shape is longer than its fabric can be.
+    `crossings` pairs of triangles pass through each other; around the stars `overstretched` the shape is too long.
     """
     collapses = not state.layout.has_stars and is_collapsing(state.shell, state.equilibrium)
     if collapses:

@@ -36,10 +36,8 @@ from asterism.previews.print_sheet import PrintSheet
 from asterism.previews.search_minima import apply_supports, find_equilibrium
 from asterism.results.records.preview import OtherFormRecord
 
-# name of the start of an equilibrium that an edit led to
-EDIT_START = "edit"
-# name of the start of an equilibrium that was chosen from other forms, or restored
-FORM_START = "form"
+# names of the start of an equilibrium: that an edit led to, and that was chosen from other forms, or restored
+EDIT_START, FORM_START = "edit", "form"
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,13 +127,10 @@ class PreviewState:
         return self.layout.is_supported_in_plane
 
     def on(self, sheet: PrintSheet, clock: Clock) -> PreviewState:
-        """The state with another sheet and all of its supports.
+        """The state with another sheet and all of its supports; errors as of `from_guesses`.
 
         On a sheet of the same print, with another pattern or with pins at other places in space, its equilibrium is
         still that of the old sheet. On another print it is none, but the printed sheet.
-
-        Raises DesignError: the supports contradict each other.
-        Raises LawError: the rest metric is not positive definite.
         """
         with clock("fields"):
             fields = sheet.fields(sheet.values)
@@ -182,10 +177,7 @@ class PreviewState:
         return PreviewState.from_guesses(self.sheet, side or self.side, clock, self.watch)
 
     def at_form(self, x: Floats, clock: Clock) -> PreviewState:
-        """The state at the equilibrium near positions x (N, 3) of the shell's dofs, with the trials of the last one.
-
-        The state is that from guesses if x leads to no minimum.
-        """
+        """The state at the equilibrium near dofs x (N, 3), with the trials of the last one; or else from guesses."""
         with clock("equilibrium"):
             equilibrium = follow(self.shell, self.shell.constrain(x), self.factor, FORM_START)
         if not equilibrium.is_minimum:
@@ -219,7 +211,7 @@ class PreviewState:
 
 @dataclass
 class WatchedFactor:
-    """Calls `watch` before each factorisation and solution of another factor; an error of `watch` ends the search.
+    """A `Factor` that calls `watch` before each factorisation and solution; an error of `watch` ends the search.
 
     Every Newton iteration solves at least once.
     """
@@ -231,17 +223,14 @@ class WatchedFactor:
         self.name = self.factor.name
 
     def factorise(self, data: Floats) -> bool:
-        """See `Factor.factorise`."""
         self.watch()
         return self.factor.factorise(data)
 
     def solve(self, b: Floats) -> Floats:
-        """See `Factor.solve`."""
         self.watch()
         return self.factor.solve(b)
 
     def close(self) -> None:
-        """Free the memory."""
         self.factor.close()
 
 

@@ -77,10 +77,9 @@ def rosette_metric(fields: Fields, at: StarPlaces) -> Fields:
 
 
 def arm_metric(lam: Floats, along: Floats, directions: Floats) -> Floats:
-    """(..., 3) components 11, 22, 12 of the rest metric.
+    """(..., 3) components 11, 22, 12 of the rest metric of places with contraction `lam` (...).
 
-    `lam`: (...) contraction of the places; `along`: (..., N) contraction of the stars half a spacing back along each
-    arm; `directions`: (N, 2) unit vectors of the arms.
+    `along`: (..., N) contraction of the stars half a spacing back along each arm, of directions (N, 2).
     """
     stretch = (along / np.exp(np.log(along).mean(axis=-1, keepdims=True))) ** 2
     mean = stretch.mean(axis=-1)
@@ -152,10 +151,9 @@ def rim_arms(fields: Fields, at: StarPlaces) -> Fields:
     deviator of a strain rosette of the stars half a spacing back along each arm.
 
     **Wide rims.** The tension of the fabric along an arm and beyond its tip bends the arm. An arm that ends at the
-    border stays nearly straight; an arm with a wide rim ahead bends as much as one among other stars. If the cell of a
-    star ends at the border, the border is half a spacing away; if the rim ahead has room for a whole cell, it is a
-    spacing further away. With the distance x from the star to the border along its arm, in spacings, the arm carries
-    this share of its natural curvature into the rim:
+    border, half a spacing away, stays nearly straight; one with room for a whole cell ahead bends as much as one among
+    other stars. With the distance x from the star to the border along its arm, in spacings, the arm carries this share
+    of its natural curvature into the rim:
 
         (x - RIM_ARM_START) / (RIM_ARM_FULL - RIM_ARM_START), limited to the range from 0 to 1.
 
@@ -191,10 +189,7 @@ def arm_curvature(at: StarPlaces) -> Floats:
 
 
 def rim_curvature_share(layout: Layout, directions: Floats, model: PreviewModel = PREVIEW_MODEL) -> Floats:
-    """(S, N) share of the natural curvature that the arms of each star carry into a free rim.
-
-    `directions`: (N, 2) unit vectors of the arms.
-    """
+    """(S, N) share of the natural curvature that the arms of each star, of directions (N, 2), carry into a free rim."""
     part = np.empty((len(layout.centres), len(directions)))
     for k, along in enumerate(directions):
         to_rings = [distance_along(layout.centres, along, ring) for ring in layout.edges.rings]
