@@ -102,9 +102,8 @@ class MotifSheetValues:
     """The law of a design's motif, with the sizes that the rods have at each place."""
 
     tensors: SheetTensors  # at the quadrature points, arrays (T, Q, ...)
-    outside: tuple[
-        str, ...
-    ]  # one line for each compared place on rods whose sizes the law replaces by the nearest ones
+    # one line for each compared place on rods whose sizes the law replaces by the nearest ones
+    outside: tuple[str, ...]
     places: int  # number of these compared places
     is_uniform: bool  # whether all copies of the motif are equal
     has_tight_curls: ClassVar[bool] = False  # cells that are not scale-separated have no law

@@ -19,12 +19,7 @@ from matplotlib.figure import Figure
 from asterism.draw.fonts import write_title
 from asterism.draw.style import PALE, add_grid, style_axes
 from asterism.measure.strips.settings import StripFitSettings, StripFormula
-from asterism.measure.strips.strip_fit import (
-    CONFIDENCE,
-    FLAT_HEIGHT_MM,
-    StripFit,
-    fit_directions,
-)
+from asterism.measure.strips.strip_fit import CONFIDENCE, FLAT_HEIGHT_MM, StripFit, fit_directions
 from asterism.measure.strips.strip_table import Reading, read_strips
 from asterism.pattern.design.errors import check_type, one_line
 from asterism.pattern.design.materials import (

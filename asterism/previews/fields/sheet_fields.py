@@ -40,12 +40,7 @@ from asterism.homogenize.law.anisotropy import (
     voigt_matrices,
 )
 from asterism.pattern.design.lattice import DEFAULT_SPACING_MM
-from asterism.pattern.geometry.planar import (
-    distance_along,
-    distance_to_outline,
-    distance_to_segment,
-    nearest_segment,
-)
+from asterism.pattern.geometry.planar import distance_along, distance_to_outline, distance_to_segment, nearest_segment
 from asterism.pattern.layout.layout import Layout
 from asterism.previews.fields.star_cells import CELL_RADIUS, MIN_STAR_SHARE, beside, stars_share
 from asterism.previews.fields.star_values import StarPlaces, StarValues, rosette

@@ -19,12 +19,7 @@ from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.previews.fields.star_cells import CELL_RADIUS
 from asterism.previews.fields.star_values import star_values
 from asterism.previews.session import Preview
-from asterism.previews.sheet import (
-    Arms,
-    Sheet,
-    arm_shares,
-    corrugation_heights,
-)
+from asterism.previews.sheet import Arms, Sheet, arm_shares, corrugation_heights
 from tests.asterism.previews.laws import SPACING, plain_law
 from tests.homogenize.cells import design as cell_design
 from tests.homogenize.cells import relaxed

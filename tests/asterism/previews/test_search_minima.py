@@ -13,12 +13,7 @@ from asterism.fem.shell.shell import Shell
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.previews import search_minima as search
-from asterism.previews.search_minima import (
-    find_equilibrium,
-    is_equilibrium_near_another,
-    is_inverted,
-    is_narrow,
-)
+from asterism.previews.search_minima import find_equilibrium, is_equilibrium_near_another, is_inverted, is_narrow
 from asterism.previews.session import Preview
 from tests.asterism.previews.designs import edited
 from tests.fem.hexagons import FIELDS, RADIUS, density, hexagon, radius
