@@ -25,10 +25,5 @@ class ReachError(Error):
 
 
 def place_text(place: Floats, decimals: int = 1) -> str:
-    """A place (3,) in mm, for messages.
-
-    >>> import numpy as np
-    >>> place_text(np.array([1.0, -2.3, 30.0]))
-    '(1.0, -2.3, 30.0) mm'
-    """
+    """A place (3,) in mm, for messages."""
     return "(" + ", ".join(f"{coordinate:.{decimals}f}" for coordinate in place) + ") mm"

@@ -370,12 +370,6 @@ def values_along(tensors: SheetTensors, axes: Floats) -> dict[str, Floats]:
 
     A tube of the curvature k along the direction with Voigt form f has the bending energy (k f - K) D (k f - K) / 2,
     which is least at k = f D K / f D f.
-
-    >>> isotropic = np.diag([2.0, 2.0, 1.0, 3.0, 3.0, 1.5])[None]
-    >>> sheet = SheetTensors(np.array([[0.81, 1.0, 0.0]]), isotropic, np.array([[-0.02, -0.01, 0.0]]))
-    >>> values = values_along(sheet, np.eye(2))
-    >>> values["stretch"].round(3).tolist(), values["bending"].tolist(), values["rolled"].tolist()
-    ([[0.9, 1.0]], [[3.0, 3.0]], [[0.02, 0.01]])
     """
     x, y = np.moveaxis(axes, -1, 0)
     forms = np.stack([x * x, y * y, 2.0 * x * y], -1)

@@ -100,15 +100,7 @@ def _times(size: Floats) -> str:
 
 
 def size_warning(design: Design) -> Iterator[str]:
-    """Yield a line if no printer with a profile can print a design in one piece in its frame.
-
-    >>> from asterism.pattern.gallery import load
-    >>> list(size_warning(load("dome")))
-    []
-    >>> wide = {"stars": {"length_mm": 9.0}, "border": {"rectangle_mm": [400.0, 300.0]}}
-    >>> next(size_warning(Design.from_dict(wide))).split(":")[0]
-    'no known printer holds the print of 400 x 300 mm'
-    """
+    """Yield a line if no printer with a profile can print a design in one piece in its frame."""
     plan = layout(design)
     x, y = design.fabric.stretch_xy
     turns = TURNS_DEG if x == y else (0,)
@@ -126,11 +118,7 @@ def size_warning(design: Design) -> Iterator[str]:
 
 
 def frame_warning(printer: Printer) -> Iterator[str]:
-    """Yield a line if the frame stands out over the bed.
-
-    >>> next(frame_warning(load_printer("ender-3"))).split(":")[0]
-    'the frame of 260 x 260 mm is larger than the bed of 220 x 220 mm'
-    """
+    """Yield a line if the frame stands out over the bed."""
     frame, bed = printer.frame.size_mm, printer.bed_mm
     if any(a > b for a, b in zip(frame, bed, strict=True)):
         yield (

@@ -163,12 +163,7 @@ class Piece:
 
     @property
     def region(self) -> BaseGeometry:
-        """The printed area in printed coordinates, mm: a strip of this width with round corners.
-
-        >>> piece = Piece(0, np.array([[0.0, 0.0], [10.0, 0.0]]), np.array([1.0, 2.0]), 0.3, (False, False))
-        >>> piece.region.area
-        15.0
-        """
+        """The printed area in printed coordinates, mm: a strip of this width with round corners."""
         return shapely.union_all(self.parts)
 
     @property
