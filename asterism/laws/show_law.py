@@ -19,7 +19,7 @@ from matplotlib.figure import Figure
 
 from asterism.draw.fonts import write_title
 from asterism.draw.style import PALE, add_grid, style_axes
-from asterism.equilibrium.arrays import Bools, Floats
+from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.cell.point_group import MIN_RESOLVED_CURL, differs_by_direction
 from asterism.homogenize.law.anisotropy import predicted_curvatures
 from asterism.homogenize.law.axes import AXES
@@ -34,8 +34,6 @@ from asterism.process.progress_line import without_numbers
 from asterism.results.files import check_writable, staged_result
 from asterism.results.records.law import LawRecord
 from asterism.results.words import table_lines
-
-CHECKED_QUANTITIES = {"kappa": "curvature", "curvature": "curvature", "bending": "bending stiffness"}
 
 
 def law_record(law: Law[Any]) -> LawRecord:
@@ -86,10 +84,11 @@ def _errors(law: Law[Any], table: LawTable) -> list[str]:
 
 def held_out_warning(law: Law[Any]) -> str | None:
     """A large error at the held-out cells, at the worst stretch, in one line; None without one."""
+    checked = {"kappa": "curvature", "curvature": "curvature", "bending": "bending stiffness"}
     largest: list[tuple[float, str]] = []
     for stretch, kinds in law.residuals.items():
         errors = kinds["held_out"]["errors"]
-        rms = {words: errors[name]["rms_percent"] for name, words in CHECKED_QUANTITIES.items() if name in errors}
+        rms = {words: errors[name]["rms_percent"] for name, words in checked.items() if name in errors}
         worst = max(rms.values(), default=0.0)
         # rms over the held-out cells, above which a law warns
         if worst > 5.0:
@@ -168,10 +167,6 @@ MOTIF_CHARTS = {
     "membrane": "membrane stiffness, N/mm",
 }
 Colour = tuple[float, float, float, float]
-# curvatures up to this one have a linear scale, larger ones a logarithmic scale
-LINEAR_CURVATURE_PER_MM = 2e-3
-INCHES_A_CHART, INCHES_A_ROW = 4.2, 3.7
-INCHES_ABOVE = 1.2
 
 
 def law_figure(law: StarLaw | MotifLaw) -> Figure:
@@ -205,10 +200,11 @@ def _star_figure(law: StarLaw) -> Figure:
 
 def _charts(law: StarLaw | MotifLaw, title: str, rows: int, columns: int, note: str) -> tuple[Figure, list[list[Axes]]]:
     """A figure with title, note and empty charts."""
-    height = INCHES_ABOVE + INCHES_A_ROW * rows
-    figure = Figure(figsize=(INCHES_A_CHART * columns, height), dpi=100, facecolor="white")
+    above = 1.2  # inches
+    height = above + 3.7 * rows
+    figure = Figure(figsize=(4.2 * columns, height), dpi=100, facecolor="white")
     FigureCanvasAgg(figure)
-    room = {"left": 0.035, "right": 0.99, "bottom": 0.5 / height + 0.02, "top": 1 - INCHES_ABOVE / height}
+    room = {"left": 0.035, "right": 0.99, "bottom": 0.5 / height + 0.02, "top": 1 - above / height}
     grid = figure.add_gridspec(rows, columns, wspace=0.24, hspace=0.42, **room)
     charts = [[figure.add_subplot(grid[row, column]) for column in range(columns)] for row in range(rows)]
     for axes in (each for row in charts for each in row):
@@ -234,15 +230,14 @@ def _star_curves(axes: Axes, table: StarTable, name: str) -> None:
         axes.plot(many, np.where(stated, value, np.nan), color=colour, linewidth=1.3, label=label)
         axes.plot(many, np.where(stated, np.nan, value), color=colour, linewidth=0.8, linestyle=":")
         line: tuple[Any, ...] = (slice(None), j, *middle)
-        solved = table.solved[line]
-        nodes = table.node_values[(*line, column)]
+        solved, nodes = table.solved[line], table.node_values[(*line, column)]
         axes.plot(lengths[solved], nodes[solved], "o", color=colour, markersize=3)
     if name == "kappa":
-        if np.abs(table.node_values[..., column]).max() > LINEAR_CURVATURE_PER_MM:
-            # curvatures of thin and of thick stars differ by a factor of 20
-            axes.set_yscale("symlog", linthresh=LINEAR_CURVATURE_PER_MM, linscale=0.4)
+        linear = 2e-3  # 1/mm: larger curvatures, of thin stars, have a logarithmic scale
+        if np.abs(table.node_values[..., column]).max() > linear:
+            axes.set_yscale("symlog", linthresh=linear, linscale=0.4)
         else:
-            axes.set_ylim(-LINEAR_CURVATURE_PER_MM, LINEAR_CURVATURE_PER_MM)
+            axes.set_ylim(-linear, linear)
 
 
 def _middle_sizes(table: StarTable) -> tuple[float, ...]:
@@ -309,16 +304,12 @@ def _over_size(axes: Axes, law: MotifLaw, varying: list[int], name: str) -> str:
         found = law.tables[0](_sizes(law, {varying[0]: many} | ({} if value is None else {varying[1]: value})))
         values = values_along(found, stretch_axes(found.metric))[name]
         label = "" if value is None else f"{_name(law, law.plan.sizes[varying[1]])} {value:g} mm, "
-        _both_axes(axes, many, values, found.inside, colour, label)
+        # dotted where the law does not cover the sizes
+        for of, line, side in zip(values.T, ("-", "--"), ("along the smaller stretch", "across it"), strict=True):
+            stated, other = np.where(found.inside, of, np.nan), np.where(found.inside, np.nan, of)
+            axes.plot(many, stated, color=colour, linewidth=1.3, linestyle=line, label=f"{label}{side}")
+            axes.plot(many, other, color=colour, linewidth=0.8, linestyle=":")
     return f"{_name(law, across)}, mm"
-
-
-def _both_axes(axes: Axes, many: Floats, values: Floats, inside: Bools, colour: Colour, label: str) -> None:
-    """Curves along the smaller stretch and across it; dotted where the law does not cover the sizes."""
-    for column, (line, side) in enumerate((("-", "along the smaller stretch"), ("--", "across it"))):
-        stated = np.where(inside, values[:, column], np.nan)
-        axes.plot(many, stated, color=colour, linewidth=1.3, linestyle=line, label=f"{label}{side}")
-        axes.plot(many, np.where(inside, np.nan, values[:, column]), color=colour, linewidth=0.8, linestyle=":")
 
 
 def _sizes(law: MotifLaw, chosen: dict[int, float | Floats]) -> Floats:
@@ -374,21 +365,11 @@ def values_along(tensors: SheetTensors, axes: Floats) -> dict[str, Floats]:
     x, y = np.moveaxis(axes, -1, 0)
     forms = np.stack([x * x, y * y, 2.0 * x * y], -1)
     forms = np.broadcast_to(forms, (len(tensors.metric), *forms.shape[-2:]))
-    membrane, bending = tensors.stiffness[:, :3, :3], tensors.stiffness[:, 3:, 3:]
-
-    def twice(stiffness: Floats) -> Floats:
-        return np.einsum("nma,nab,nmb->nm", forms, stiffness, forms)
-
-    def along(components: Floats) -> Floats:
-        return np.einsum("nma,na->nm", forms, components)
-
-    moments = np.einsum("nab,nb->na", bending, tensors.curvature * TO_VOIGT)
-    return {
-        "stretch": np.sqrt(along(tensors.metric)),
-        "membrane": twice(membrane),
-        "bending": twice(bending),
-        "rolled": -along(moments) / twice(bending),
-    }
+    blocks = tensors.stiffness[:, :3, :3], tensors.stiffness[:, 3:, 3:]
+    membrane, bending = (np.einsum("nma,nab,nmb->nm", forms, block, forms) for block in blocks)
+    moments = np.einsum("nab,nb->na", blocks[1], tensors.curvature * TO_VOIGT)
+    squares, along = (np.einsum("nma,na->nm", forms, of) for of in (tensors.metric, moments))
+    return {"stretch": np.sqrt(squares), "membrane": membrane, "bending": bending, "rolled": -along / bending}
 
 
 def stretch_axes(metric: Floats) -> Floats:
