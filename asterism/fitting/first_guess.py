@@ -14,11 +14,10 @@ import shapely
 
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.fitting.errors import TargetError
-from asterism.fitting.flatten import FlatDisk, Flattener, least_ratio_border
+from asterism.fitting.flatten import FlatDisk, Flattener, TargetMap, least_ratio_border
 from asterism.fitting.reach import StarMenu, check_size, choose_stretch, target_reach
 from asterism.fitting.settings import FitSettings
 from asterism.fitting.target import TargetSurface
-from asterism.fitting.target_map import TargetMap
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.anisotropy import BENDING_POISSON
 from asterism.homogenize.law.star_law import StarLaw
@@ -33,8 +32,6 @@ from asterism.results.records.fit import ReachRecord
 
 # arms whose contractions frame the middle of what a target needs
 MIDDLE_ARMS_MM = (3.0, 12.5)
-# rad, sum of the absolute Gauss curvatures below which a target counts as developable
-MIN_GAUSS_RAD = 1e-3
 # decimals of mm in the design
 FITTED_SIZE_DECIMALS = 3
 
@@ -55,13 +52,9 @@ def guess_design(
 ) -> FirstGuess:
     """The first guess of a design for a target.
 
-    `law`: of the material; its lattice is that of the design; `say`: called with a line of text at the beginning of
-    each stage.
-
-    Raises TargetError: the flat target overlaps itself.
-    Raises ReachError: stars cannot make the target.
-    Raises ForeignLaw: the law has no table for the stretch.
-    Raises LawError: the law does not cover the width, or is for unequal stretches in x and y.
+    The lattice of the law is that of the design. `say` is called with a line of text at the beginning of each stage.
+    Raises TargetError if the flat target overlaps itself, ReachError if stars cannot make it, ForeignLaw if the law has
+    no table for the stretch, and LawError if it does not cover the width, or is for unequal stretches in x and y.
     """
     if not law.even_stretches:
         raise LawError("a fit to a surface needs a law of equal stretch in x and y", field="fabric.stretch")
@@ -83,8 +76,7 @@ def guess_design(
     outline = _choose_outline(target_map, needles)
     border = settings.border
     if border is None:
-        # the border is held if at least this share of all absolute Gauss curvature is negative: needles leave saddles
-        # soft
+        # needles leave saddles soft
         border = needles is None and _saddle_share(target) > 0.25
     stars = _star_sites(outline.corners, lattice)
     curvatures = target_map.principal_curvatures(stars)
@@ -113,12 +105,10 @@ def _with_weights(design: Design, target: TargetSurface, target_map: TargetMap, 
 
 def flatten_target(target: TargetSurface) -> FlatDisk:
     """The flattening with the smallest ratio of scale factors; TargetError if it overlaps itself."""
-    flattener, gauss = Flattener(target.disk), target.disk.gauss_curvature
-    total = np.abs(gauss).sum()
-    # a linear programme finds the border values if the Gauss curvatures of either sign have at least this share of the
-    # sum of all absolute values
-    mixed = min(gauss[gauss > 0.0].sum(), -gauss[gauss < 0.0].sum()) > 0.1 * total
-    flat = flattener.flatten(least_ratio_border(flattener) if mixed and total > MIN_GAUSS_RAD else None)
+    flattener = Flattener(target.disk)
+    # a linear programme finds the border values if Gauss curvatures of either sign have at least this share
+    is_mixed = 0.1 < _saddle_share(target) < 0.9
+    flat = flattener.flatten(least_ratio_border(flattener) if is_mixed else None)
     if flat.flipped or not shapely.is_valid(shapely.polygons(flat.points[target.disk.border])):
         raise TargetError(target.name, "overlaps itself when it is laid flat: cut it into parts")
     return flat
@@ -128,7 +118,7 @@ def _saddle_share(target: TargetSurface) -> float:
     """Share of negative Gauss curvature in the sum of its absolute values; 0 for developable targets."""
     gauss = target.disk.gauss_curvature
     total = float(np.abs(gauss).sum())
-    return float(-gauss[gauss < 0.0].sum() / total) if total > MIN_GAUSS_RAD else 0.0
+    return float(-gauss[gauss < 0.0].sum() / total) if total > 1e-3 else 0.0
 
 
 def _sizes_from_law(target_map: TargetMap, menu: StarMenu, centres: Floats) -> Floats:

@@ -10,7 +10,7 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Floats
 from asterism.fitting.errors import ReachError, place_text
-from asterism.fitting.target_map import TargetMap
+from asterism.fitting.flatten import TargetMap
 from asterism.homogenize.law.star_law import MAX_SEPARATED_CURL, StarLaw
 from asterism.pattern.geometry.planar import polygon_area
 from asterism.pattern.layout.star_cells import MAX_STARS_OF_DESIGN

@@ -16,8 +16,8 @@ from typing import Any
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
+from asterism.fitting.flatten import TargetMap
 from asterism.fitting.target import TargetSurface
-from asterism.fitting.target_map import TargetMap
 from asterism.pattern.geometry.planar import distance_to_outline, inside
 from asterism.pattern.geometry.rigid_fit import rigid_fit
 from asterism.previews.places import Places

@@ -112,8 +112,9 @@ def fit(
                 search.again(base)
         if settings.exact:
             verification = verified()
-        if corrections and verification is not None and _released_elsewhere(verification):
-            # the print comes to another minimum than the corrections followed: they begin again from that one
+        if corrections and verification and verification.result == RELEASE and not verification.summary.starts_agree:
+            # the flat print releases to another minimum, of lower energy, than the corrections followed: they begin
+            # again from that one
             before, first = distance(verification.exact[RELEASE]), correction.sizes
             correction.run(base, few, verification.exact[RELEASE])
             again = verified()
@@ -179,11 +180,6 @@ def _rounded(base: Design, sizes: StarUnknowns, printer: Printer, tell: Say) -> 
     rounding = choose_rounding(layout(sizes.design(base)), printer)
     tell(f"rounding to layers of {rounding.layer_mm:g} mm on {rounding.first_layer_mm:g} mm")
     return with_rounding(base, rounding)
-
-
-def _released_elsewhere(verification: Verification) -> bool:
-    """Whether the flat print releases to another minimum than the one near the target, of lower energy."""
-    return verification.result == RELEASE and not verification.summary.starts_agree
 
 
 def _other(verification: Verification | None, distance: Callable[[Shape], FitDistance]) -> TargetDistanceRecord | None:

@@ -27,7 +27,7 @@ from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.painted_stars import SIZE_KEYS, SizeName, with_painted_stars
 from asterism.previews.law_choice import serving_law
 from asterism.previews.session import Preview, preview
-from asterism.previews.star_sensitivity import SIZE_STEPS
+from asterism.previews.star_sensitivity import size_steps
 from asterism.process.listeners import Say, ignore_line
 from asterism.shape.shape import Shape
 
@@ -298,11 +298,8 @@ def sensitivity(
         return np.asarray(moved.height_mm if of == "height_mm" else of(moved), dtype=float)  # type: ignore[operator]
 
     value, sizes = quantity(None), plan.star_sizes_mm[:, column]
-    steps = np.full(len(sizes), SIZE_STEPS[column]) * (1.0 if column == 0 else sizes)
-    top = preview.law.size_ranges(design.fabric.stretch_xy)[AXES[column].key][1]
-    steps = np.where(sizes + steps > top, -steps, steps)
     changes = []
-    for site, size, step in zip(plan.sites, sizes, steps, strict=True):
+    for site, size, step in zip(plan.sites, sizes, size_steps(preview.state, by, sizes), strict=True):
         row = np.full((1, len(SIZE_KEYS)), np.nan)
         row[0, column] = size + step
         response = next(preview.edit(with_painted_stars(design, site[None], row)))

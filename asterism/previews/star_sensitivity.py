@@ -22,8 +22,6 @@ from asterism.previews.solve import PreviewState
 
 # lattice steps between stars that are changed together
 COLOUR_STEPS = 4
-# changes for the differences: of lengths in mm, of thicknesses and widths relative to them
-SIZE_STEPS = (0.005, 5e-4, 5e-4)
 
 
 def star_sensitivity(state: PreviewState, size: SizeName) -> Floats:
@@ -67,13 +65,17 @@ def _changed_values(state: PreviewState, size: SizeName) -> tuple[StarValues, Fl
     if stars.rounding is not None and column > 0:
         known = np.column_stack([known[:, 0], stars.rounding.thickness(known[:, 1]), stars.rounding.width(known[:, 2])])
         sizes, stars = known.copy(), stars.model_copy(update={"rounding": None})
-    before = known[:, column]
-    steps = np.full(len(before), SIZE_STEPS[column]) * (1.0 if column == 0 else before)
-    top = state.sheet.law.size_ranges(design.fabric.stretch_xy)[AXES[column].key][1]
-    steps = np.where(before + steps > top, -steps, steps)
-    sizes[:, column] = before + steps
+    steps = size_steps(state, size, known[:, column])
+    sizes[:, column] = known[:, column] + steps
     changed = with_painted_stars(design.model_copy(update={"stars": stars}), plan.sites, sizes)
     return star_values(changed, layout(changed), state.sheet.law, state.sheet.model), steps
+
+
+def size_steps(state: PreviewState, size: SizeName, sizes: Floats) -> Floats:
+    """(S,) mm, changes of one size of stars (S,) mm for differences; at the upper end of the law's range downwards."""
+    steps = np.full(len(sizes), 0.005) if size == "length_mm" else 5e-4 * sizes
+    top = state.sheet.law.size_ranges(state.design.fabric.stretch_xy)[AXES[SIZE_KEYS.index(size)].key][1]
+    return np.where(sizes + steps > top, -steps, steps)
 
 
 def _colours(state: PreviewState) -> list[np.ndarray]:

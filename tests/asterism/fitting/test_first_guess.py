@@ -7,10 +7,10 @@ import pytest
 
 from asterism.fitting.errors import ReachError, TargetError
 from asterism.fitting.first_guess import FirstGuess, flatten_target, guess_design
+from asterism.fitting.flatten import TargetMap
 from asterism.fitting.reach import StarMenu
 from asterism.fitting.settings import FitSettings
 from asterism.fitting.target import TargetSurface
-from asterism.fitting.target_map import TargetMap
 from asterism.homogenize.errors import ForeignLaw, LawError
 from asterism.pattern.layout.build import layout
 from asterism.previews.law_choice import paper_law
