@@ -33,28 +33,11 @@ from asterism.print.job import Job
 from asterism.print.needles import HOLE_DIAMETER_MM
 from asterism.results.words import fixed_point
 
-# layers
-FRAME = DrawingLayer("frame", "#6b6b6b", 0.5, meaning="frame")
-OPENING = DrawingLayer("frame-opening", "#6b6b6b", 0.2, meaning="inside of the frame")
-BED = DrawingLayer("printable-area", "#2f6fc1", 0.25, (4.0, 2.0), meaning="what the nozzle reaches")
-BELOW = DrawingLayer("below", "#7c93ab", filled=True, meaning="plastic below the fabric")
-GUIDE = DrawingLayer("printed-border", "#8a8a94", filled=True, meaning="printed line to cut along")
 MARKS = DrawingLayer("alignment", "#0a7d32", 0.2, meaning="alignment marks")
-BEFORE = DrawingLayer(
-    "check-before-stretching", "#d98200", 0.25, (1.5, 1.5), meaning="square drawn on the relaxed fabric"
-)
-AFTER = DrawingLayer("check-after-stretching", "#d98200", 0.3, meaning="the same square on the stretched fabric")
-GRAIN = DrawingLayer("grain", "#8a4b08", 0.5, meaning="along the grain of the fabric")
-OUTLINE_IN_SPACE = DrawingLayer(
-    "outline", "#d01c1c", 0.2, (3.0, 1.5), meaning="edge of the sheet in space, seen from above"
-)
-
 # margin around the drawing and the column
 PAGE_MARGIN_MM = 18.5
 # width of the column of text, with its margin
 COLUMN_MM = 123.0
-# length of the arrow along the grain
-_ARROW_MM = 60.0
 
 DrawingItems = list[Polyline | Circle | Label]
 
@@ -63,12 +46,17 @@ def layout_sheet(job: Job) -> Drawing:
     """The layout on the printer: frame, printable area, pattern, cut lines, needles, marks, check squares."""
     frame, bed = job.printer.frame.size_mm, job.printer.bed_mm
     items: DrawingItems = []
-    for steps, layer in ((job.above, STARS if job.arms else RODS), (job.below, BELOW)):
+    below = DrawingLayer("below", "#7c93ab", filled=True, meaning="plastic below the fabric")
+    for steps, layer in ((job.above, STARS if job.arms else RODS), (job.below, below)):
         items += areas(steps[0].region, layer) if steps else []
     if job.border is not None:
-        items += areas(job.border.region, GUIDE)
+        guide = DrawingLayer("printed-border", "#8a8a94", filled=True, meaning="printed line to cut along")
+        items += areas(job.border.region, guide)
     items += [Polyline(CUT, job.placement.points(line), closed=True) for line in job.cut]
-    items += [rectangle(FRAME, frame), rectangle(OPENING, job.printer.frame.opening_mm), rectangle(BED, bed)]
+    opening = DrawingLayer("frame-opening", "#6b6b6b", 0.2, meaning="inside of the frame")
+    reached = DrawingLayer("printable-area", "#2f6fc1", 0.25, (4.0, 2.0), meaning="what the nozzle reaches")
+    items.append(rectangle(DrawingLayer("frame", "#6b6b6b", 0.5, meaning="frame"), frame))
+    items += [rectangle(opening, job.printer.frame.opening_mm), rectangle(reached, bed)]
     items += _marks(frame, bed)
     items += [*check_squares(job), *grain_arrow(job, is_stretched=True)]
     for needle in job.needles:
@@ -142,9 +130,10 @@ def grain_arrow(job: Job, is_stretched: bool) -> DrawingItems:
     ends = job.placement.points(np.array([np.zeros(2), along / np.linalg.norm(along)]))
     along = ends[1] - ends[0]
     across = np.array([-along[1], along[0]])
-    tip = _ARROW_MM / 2 * along
-    head = [tip - 0.1 * _ARROW_MM * along + side * 0.04 * _ARROW_MM * across for side in (1.0, -1.0)]
-    return [Polyline(GRAIN, np.array([-tip, tip, head[0], head[1], tip]))]
+    tip = 30.0 * along
+    head = [tip - 6.0 * along + side * 2.4 * across for side in (1.0, -1.0)]
+    pen = DrawingLayer("grain", "#8a4b08", 0.5, meaning="along the grain of the fabric")
+    return [Polyline(pen, np.array([-tip, tip, head[0], head[1], tip]))]
 
 
 def grain_in_words(job: Job) -> str:
@@ -161,7 +150,10 @@ def grain_in_words(job: Job) -> str:
 
 def check_squares(job: Job) -> DrawingItems:
     """The check square in the middle of the frame, before and after stretching."""
-    return [rectangle(BEFORE, (job.check_before_mm, job.check_before_mm)), rectangle(AFTER, job.check_after_mm)]
+    dashes, words = (1.5, 1.5), ("square drawn on the relaxed fabric", "the same square on the stretched fabric")
+    before = DrawingLayer("check-before-stretching", "#d98200", 0.25, dashes, meaning=words[0])
+    after = DrawingLayer("check-after-stretching", "#d98200", 0.3, meaning=words[1])
+    return [rectangle(before, (job.check_before_mm, job.check_before_mm)), rectangle(after, job.check_after_mm)]
 
 
 def needle_sheet(job: Job) -> Drawing | None:
@@ -174,7 +166,8 @@ def needle_sheet(job: Job) -> Drawing | None:
     if job.shape is not None:
         off_sheet = off_sheet_mm(job.plan, len(job.shape.printed))
         outline = job.shape.at(dense_outline(job.plan.outline), off_sheet)[:, :2]
-        items.append(Polyline(OUTLINE_IN_SPACE, outline, closed=True))
+        meaning = "edge of the sheet in space, seen from above"
+        items.append(Polyline(DrawingLayer("outline", CUT.colour, 0.2, (3.0, 1.5), meaning=meaning), outline, True))
         points = np.concatenate([points, outline])
     low, high = np.minimum(points.min(axis=0), 0.0), np.maximum(points.max(axis=0), 0.0)
     items += cross_mark(MARKS, np.zeros(2), 8.0)

@@ -281,12 +281,6 @@ def _fabrics(used: list[Reading]) -> dict[str, tuple[str, set[float]]]:
     }
 
 
-# of strips with their fabric, in one direction or along and across
-FABRIC_COLOURS = ("#2a6f97", "#5d8a3a")
-PEELED_COLOUR = "#c8553d"
-DOUBTFUL_COLOUR = "#9d1f1f"
-
-
 def draw_fit(fits: Sequence[StripFit], title: str, path_or_file: str | Path | IO[bytes]) -> None:
     """Draw one fit, or those along and across the grain, as PNG."""
     figure = Figure(figsize=(9, 5.4), dpi=150, facecolor="white")
@@ -296,7 +290,8 @@ def draw_fit(fits: Sequence[StripFit], title: str, path_or_file: str | Path | IO
     one = fits[0]
     thicknesses = [reading.thickness_mm for reading in one.used]
     h = np.linspace(min(thicknesses) - 0.01, max(thicknesses) + 0.01, 200)
-    for fit, colour in zip(fits, FABRIC_COLOURS, strict=False):
+    peeled, doubtful = "#c8553d", "#9d1f1f"
+    for fit, colour in zip(fits, ("#2a6f97", "#5d8a3a"), strict=False):
         covered = [reading for reading in fit.used if not reading.peeled]
         for stretch, fabric_mm in {(r.stretch, r.fabric_thickness_mm) for r in covered}:
             fabric, ends = Fabric(stretch=stretch, thickness_mm=fabric_mm), fit.found
@@ -306,12 +301,12 @@ def draw_fit(fits: Sequence[StripFit], title: str, path_or_file: str | Path | IO
         lie = f" {covered[0].direction}" if len(fits) > 1 else ""
         _draw_readings(axes, covered, colour, f"with fabric{lie}")
     if one.kappa_bar:
-        axes.plot(h, residual_curvature(h, one.plastic().kappa_bar_per_mm), color=PEELED_COLOUR, linewidth=1.2)
-    _draw_readings(axes, [reading for reading in one.used if reading.peeled], PEELED_COLOUR, "peeled")
+        axes.plot(h, residual_curvature(h, one.plastic().kappa_bar_per_mm), color=peeled, linewidth=1.2)
+    _draw_readings(axes, [reading for reading in one.used if reading.peeled], peeled, "peeled")
     for reading, _ in {each for fit in fits for each in (*fit.left_out, *fit.outliers)}:
         place = (reading.thickness_mm, reading.curvature_per_mm or 0.0)
-        axes.plot(*place, "x", color=DOUBTFUL_COLOUR, markersize=8)
-        axes.annotate(f"  {reading.strip}", place, fontsize=8, color=DOUBTFUL_COLOUR, va="center", parse_math=False)
+        axes.plot(*place, "x", color=doubtful, markersize=8)
+        axes.annotate(f"  {reading.strip}", place, fontsize=8, color=doubtful, va="center", parse_math=False)
     axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
     style_axes(axes, "curvature of the strips, 1/mm", "thickness of the plastic, mm")
     add_grid(axes)
