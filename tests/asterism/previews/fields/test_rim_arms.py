@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 import scipy.sparse as sp
@@ -11,6 +13,7 @@ from asterism.exact.simulation import exact_shape
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.layout import Layout
 from asterism.previews.fields.sheet_fields import (
     RIM_ARM_FULL,
     RIM_ARM_START,
@@ -24,6 +27,7 @@ from asterism.previews.fields.sheet_fields import (
 from asterism.previews.fields.star_values import star_values
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.previews.session import Preview
+from tests.asterism.previews.designs import edited
 from tests.asterism.previews.laws import SPACING, places, plain_law
 
 NONE, ALL, AMONG = RIM_ARM_START, RIM_ARM_FULL, PREVIEW_MODEL.rim_arm_among
@@ -34,6 +38,11 @@ PLAN = layout(TUBE)
 VALUES = star_values(TUBE, PLAN, plain_law())
 COUNT = len(PLAN.centres)
 DIRECTIONS = np.asarray(TUBE.lattice.arm_directions)
+RECTANGLE = {"rectangle_mm": [80.0, 60.0]}
+
+
+def tube(border: dict[str, object], **sections: Any) -> Layout:
+    return layout(Design.from_dict(TUBE.to_dict() | {"border": border} | sections))
 
 
 def curvature(beside: sp.csr_matrix, normals: Floats, along: list[sp.csr_matrix], carried: Floats) -> Floats:
@@ -64,15 +73,13 @@ def test_arms_carry_their_curvature_into_a_free_rim() -> None:
 def test_arms_carry_on_what_the_fabric_before_them_allows() -> None:
     """A lone star in a rectangle: arms at 30, 150 and 270 degrees."""
     x, y = 0.5 * (ALL + NONE) * SPACING * np.sqrt(0.75), (NONE + 0.1 * (ALL - NONE)) * SPACING
-    design = Design.from_dict(TUBE.to_dict() | {"border": {"rectangle_mm": [2.0 * x, 2.0 * y]}, "pins": []})
-    plan = layout(design)
-    directions = np.asarray(design.lattice.arm_directions)
+    plan = tube({"rectangle_mm": [2.0 * x, 2.0 * y]})
     assert len(plan.centres) == 1
-    part = rim_curvature_share(plan, directions)[0]
-    assert part[np.abs(directions[:, 0]) > 0.5] == pytest.approx(0.5)
-    assert part[directions[:, 1] < -0.9] == pytest.approx(0.1)
+    part = rim_curvature_share(plan, DIRECTIONS)[0]
+    assert part[np.abs(DIRECTIONS[:, 0]) > 0.5] == pytest.approx(0.5)
+    assert part[DIRECTIONS[:, 1] < -0.9] == pytest.approx(0.1)
     # stars of a hexagon: arms that lead to others, and those of the last stars
-    parts = rim_curvature_share(PLAN, np.asarray(TUBE.lattice.arm_directions))
+    parts = rim_curvature_share(PLAN, DIRECTIONS)
     middle = int(np.linalg.norm(PLAN.centres, axis=1).argmin())
     assert parts[middle] == pytest.approx(AMONG)
     outwards = (np.sqrt(0.75) - NONE) / (ALL - NONE)
@@ -82,8 +89,8 @@ def test_arms_carry_on_what_the_fabric_before_them_allows() -> None:
     plan = layout(turned)
     middle = int(np.linalg.norm(plan.centres, axis=1).argmin())
     assert rim_curvature_share(plan, np.asarray(turned.lattice.arm_directions))[middle] == pytest.approx(AMONG)
-    wide = layout(Design.from_dict(TUBE.to_dict() | {"border": {"rectangle_mm": [90.0, 90.0], "star_margin_mm": 35.0}}))
-    assert rim_curvature_share(wide, directions) == pytest.approx(np.ones((1, 3)))
+    wide = tube({"rectangle_mm": [90.0, 90.0], "star_margin_mm": 35.0})
+    assert rim_curvature_share(wide, DIRECTIONS) == pytest.approx(np.ones((1, 3)))
 
 
 @pytest.mark.slow
@@ -110,26 +117,21 @@ def test_corners_under_arms_hang_from_a_free_hexagon() -> None:
     assert abs(found - right) < 0.7 * abs(without - right), (right, found, without)
 
 
-def rectangle(pins: list[dict[str, object]]) -> Design:
-    data = TUBE.to_dict() | {"border": {"rectangle_mm": [80.0, 60.0]}, "pins": pins}
-    return Design.from_dict(data)
-
-
 def test_normals_are_those_of_the_nearest_side_and_vanish_where_it_is_held() -> None:
     places = np.array([[35.0, 0.0], [-35.0, 2.0], [0.0, 25.0], [3.0, -25.0]])
-    free = layout(rectangle([]))
+    free = tube(RECTANGLE)
     expected = np.array([[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0]])
     assert free_normals(free, places) == pytest.approx(expected)
     middle = 0.5 * (free.outline + np.roll(free.outline, -1, axis=0))
     held = int(middle[:, 0].argmax())
-    plan = layout(rectangle([{"edges": [held], "scale": 0.8}]))
+    plan = tube(RECTANGLE, pins=[{"edges": [held], "scale": 0.8}])
     assert free_normals(plan, places) == pytest.approx(expected * np.array([[0.0], [1.0], [1.0], [1.0]]))
     # points on the right side and near the lower one
-    pulled = layout(rectangle([{"points_mm": [[40.0, 5.0], [10.0, -28.0]], "scale": 0.8}]))
+    pulled = tube(RECTANGLE, pins=[{"points_mm": [[40.0, 5.0], [10.0, -28.0]], "scale": 0.8}])
     assert free_normals(pulled, places) == pytest.approx(expected * np.array([[0.0], [1.0], [1.0], [0.0]]))
-    sliding = layout(rectangle([{"points_mm": [[40.0, 5.0], [10.0, -28.0]], "slide": "plane"}]))
+    sliding = tube(RECTANGLE, pins=[{"points_mm": [[40.0, 5.0], [10.0, -28.0]], "slide": "plane"}])
     assert free_normals(sliding, places) == pytest.approx(expected)
-    alone = layout(rectangle([{"points_mm": [[40.0, 25.0]], "scale": 0.8}]))
+    alone = tube(RECTANGLE, pins=[{"points_mm": [[40.0, 25.0]], "scale": 0.8}])
     assert free_normals(alone, places) == pytest.approx(expected)
 
 
@@ -142,27 +144,22 @@ def test_a_side_in_pieces_is_one_side() -> None:
     points = np.random.default_rng(3).uniform(-60.0, 60.0, (200, 2))
     for held in (corners[:1], corners[:2], corners[::3]):
         pins = [{"points_mm": held.tolist(), "scale": 0.9}]
-        one, other = (
-            free_normals(
-                layout(Design.from_dict(TUBE.to_dict() | {"border": {"polygon_mm": ring.tolist()}, "pins": pins})),
-                points,
-            )
-            for ring in (corners, np.roll(pieces, 2, axis=0))
-        )
+        rings = corners.tolist(), np.roll(pieces, 2, axis=0).tolist()
+        one, other = (free_normals(tube({"polygon_mm": ring}, pins=pins), points) for ring in rings)
         np.testing.assert_allclose(one, other, atol=1e-9)
 
 
-def removed(*stars: int) -> Design:
-    data = TUBE.to_dict()
-    data["stars"]["override"] = [{"star": star, "remove": True} for star in stars]
-    return Design.from_dict(data)
+def without_stars(border: dict[str, object], *removed: int) -> Layout:
+    return tube(
+        border, stars=TUBE.to_dict()["stars"] | {"override": [{"star": star, "remove": True} for star in removed]}
+    )
 
 
 def test_places_nearer_to_a_removed_star_than_to_others_are_in_its_hole() -> None:
     assert len(hole_sites(PLAN)) == 0 and not in_holes(PLAN, PLAN.outline).any()
-    wide = hole_sites(layout(removed(*range(7))))
+    wide = hole_sites(without_stars(TUBE.to_dict()["border"], *range(7)))
     assert np.sort(np.linalg.norm(wide, axis=1)) == pytest.approx([0.0, *[SPACING] * 6], abs=1e-9)
-    plan = layout(removed(0))
+    plan = without_stars(TUBE.to_dict()["border"], 0)
     assert hole_sites(plan) == pytest.approx(np.zeros((1, 2)), abs=1e-9)
     there = np.array([[0.0, 0.0], [0.0, 0.49 * SPACING], [0.0, 0.51 * SPACING], plan.outline[0]])
     assert in_holes(plan, there).tolist() == [True, True, False, False]
@@ -170,9 +167,8 @@ def test_places_nearer_to_a_removed_star_than_to_others_are_in_its_hole() -> Non
 
 def test_the_fabric_of_a_hole_does_not_dip() -> None:
     """In the exact model it is 0.1 mm above the stars around it; with a rim's fall it would be 1.6 mm below them."""
-    data = removed(0).to_dict()
-    data["stars"] |= {"length_mm": 9.0, "thickness_mm": 0.5}
-    preview = Preview(Design.from_dict(data | {"border": {"rings": 2}}))
+    stars = {"length_mm": 9.0, "thickness_mm": 0.5, "override": [{"star": 0, "remove": True}]}
+    preview = Preview(edited("tube", border={"rings": 2}, stars=stars))
     turns = np.radians(30.0 + 60.0 * np.arange(6))
     around = preview.at(SPACING * np.column_stack([np.cos(turns), np.sin(turns)])).bumpy
     middle = around.mean(axis=0)
@@ -181,25 +177,22 @@ def test_the_fabric_of_a_hole_does_not_dip() -> None:
     assert abs(above) < 0.4
 
 
-def test_a_star_missing_from_any_side_of_a_wide_rim_is_no_hole() -> None:
+def test_what_is_open_to_the_rim_is_no_hole() -> None:
     border = {"rectangle_mm": [100.0, 90.0], "star_margin_mm": 0.8 * SPACING}
-    whole = layout(Design.from_dict(TUBE.to_dict() | {"border": border}))
+    whole = tube(border)
     assert len(hole_sites(whole)) == 0
+    # a star missing from any side of a wide rim, and a row of them from the middle to the rim
     for axis in whole.lattice_vectors @ np.array([[0.0, -1.0], [1.0, 0.0]]):
         along = whole.centres @ axis
         for star in (along.argmin(), along.argmax()):
-            data = TUBE.to_dict() | {"border": border}
-            data["stars"]["override"] = [{"star": int(whole.star_number[star]), "remove": True}]
-            assert len(hole_sites(layout(Design.from_dict(data)))) == 0
-
-
-def test_sites_at_or_just_beyond_the_tip_of_a_dent_are_part_of_the_rim() -> None:
-    """A narrow dent takes a site's place, with stars all around; or it runs between stars, that site alone has none."""
+            assert len(hole_sites(without_stars(border, int(whole.star_number[star])))) == 0
+    row = PLAN.star_number[(np.abs(PLAN.centres[:, 0]) < 1.0) & (PLAN.centres[:, 1] > -1.0)]
+    assert len(hole_sites(without_stars(TUBE.to_dict()["border"], *row.tolist()))) == 0
+    # a narrow dent takes a site's place, with stars all around; or it runs between stars, that site alone has none
     dent = [[-60, -50], [60, -50], [60, 50], [1.5, 50], [0, -3], [-1.5, 50], [-60, 50]]
-    assert len(hole_sites(layout(Design.from_dict(TUBE.to_dict() | {"border": {"polygon_mm": dent}})))) == 0
+    assert len(hole_sites(tube({"polygon_mm": dent}))) == 0
     polygon = [[-60, -50], [60, -50], [60, -0.5], [3, 0], [60, 0.5], [60, 50], [-60, 50]]
-    data = TUBE.to_dict() | {"border": {"polygon_mm": polygon, "star_margin_mm": 6.0}}
-    plan = layout(Design.from_dict(data))
+    plan = tube({"polygon_mm": polygon, "star_margin_mm": 6.0})
     assert np.linalg.norm(plan.centres, axis=1).min() == pytest.approx(SPACING)
     assert (np.linalg.norm(plan.centres, axis=1) < 1.01 * SPACING).sum() == 6
     assert len(hole_sites(plan)) == 0
