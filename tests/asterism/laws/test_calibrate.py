@@ -19,7 +19,6 @@ from PIL import Image
 
 from asterism.homogenize.campaign.workers import CampaignProgress
 from asterism.homogenize.errors import LawError
-from asterism.homogenize.law.anisotropy import ANISOTROPY_SIZE, sample_anisotropy
 from asterism.homogenize.law.law_file import law_bytes, law_digest, load_law
 from asterism.homogenize.law.plan import CellTask, SampleRecord
 from asterism.homogenize.law.star_law import StarLaw
@@ -132,17 +131,6 @@ def test_cells_that_all_fail_are_status_one(here: Path, cli: Cli, monkeypatch: p
     assert not list(here.glob("*.npz"))
 
 
-def test_interrupted_before_a_cell_is_finished(tmp_path: Path, cli: Cli, monkeypatch: pytest.MonkeyPatch) -> None:
-    def interrupted(watch: CountLine, progress: object) -> None:
-        raise KeyboardInterrupt
-
-    (tmp_path / "m.toml").write_text(PLAN)
-    monkeypatch.setattr(CountLine, "report", interrupted)
-    ended = cli(["calibrate", str(tmp_path / "m.toml"), "--jobs", "1"])
-    assert ended.status == 130 and ended.line.startswith("asterism: interrupted")
-    assert not (tmp_path / "m.npz").exists()
-
-
 @pytest.mark.slow
 def test_interrupted_and_resumed(place: Path, here: Path, cli: Cli) -> None:
     """With one process and fresh cells: bit for bit the law of two processes at once."""
@@ -216,17 +204,6 @@ def test_the_law_says_what_it_leaves_out(five: tuple[StarLaw, str]) -> None:
     overlapping = [cell for cell in law.samples if cell["length_mm"] == 12.0]
     assert len(overlapping) == 2 and all("shorten or turn them" in cell["problem"] for cell in overlapping)
     assert "cells without a law" in printed and not law.at(1.35)(10.0, 0.3, 1.2).inside[0]
-
-
-@pytest.mark.slow
-def test_the_law_holds_what_differs_between_directions(five: tuple[StarLaw, str]) -> None:
-    law = five[0]
-    table = law.at(1.35)
-    assert table.anisotropy(7.0, 0.3, 1.2).shape == (1, ANISOTROPY_SIZE)
-    assert not table.anisotropy(0.0, 0.3, 1.2).any()
-    cell = next(cell for cell in law.samples if cell["length_mm"] == 7.0 and cell["sample"])
-    found = law.anisotropy(sheet(5), *(cell[name] for name in ("length_mm", "thickness_mm", "width_mm")))
-    np.testing.assert_allclose(found[0], sample_anisotropy(cell["sample"]), rtol=1e-9, atol=1e-12)
 
 
 @pytest.mark.slow
