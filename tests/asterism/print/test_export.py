@@ -247,7 +247,7 @@ def test_the_exact_shape_of_a_print_has_both_starts_and_lists_both_minima(tmp_pa
     assert shape is not None and change is not None
     (minimum,) = change.minima
     assert minimum.start_names == ["release", "preview"] and minimum.energy_n_mm == shape.summary["energy_n_mm"]
-    two = change.changed(minima=[minimum, minimum.changed(distance_percent=7.5, start_names=["preview"])])
+    two = change | {"minima": [minimum, minimum | {"distance_percent": 7.5, "start_names": ["preview"]}]}
     rounded = export(small, tmp_path).summary
     assert "minimum 2" not in rounded.table()
-    assert rounded.changed(shape_change=two).table()["minimum 2"].endswith("7.5 % away, from preview")
+    assert (rounded | {"shape_change": two}).table()["minimum 2"].endswith("7.5 % away, from preview")
