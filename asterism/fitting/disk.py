@@ -85,8 +85,10 @@ def disk_of(vertices: Floats, triangles: Ints, name: str) -> Disk:
         share = np.bincount(piece[triangles[:, 0]], minlength=pieces)
         held = f"has {pieces} pieces, the largest with {share.max()} of {len(triangles)} triangles"
         raise TargetError(name, f"{held}: {_gap(vertices, piece, int(share.argmax())) or 'keep one piece'}")
-    triangles = _equally_oriented(triangles, name)
+    triangles, parts = _equally_oriented(triangles, name)
     _check_border(vertices, triangles, unique, name)
+    if parts > 1:
+        raise TargetError(name, f"has {parts} parts that share corners only, no edge: keep one of them")
     return Disk(vertices, triangles, flat)
 
 
@@ -176,8 +178,8 @@ def _check_border(vertices: Floats, triangles: Ints, edges: Ints, name: str) -> 
         raise TargetError(name, "has a handle: a target is one disk")
 
 
-def _equally_oriented(triangles: Ints, name: str) -> Ints:
-    """The triangles, some of them reversed, so that neighbours have the same side; the first one stays.
+def _equally_oriented(triangles: Ints, name: str) -> tuple[Ints, int]:
+    """The triangles, some reversed so that neighbours have the same side, as the first one; and the number of parts.
 
     The two sides of all triangles are the nodes of a graph, joined across the edges of neighbours: sides of one
     surface are connected. Where both sides of a triangle are, the surface has one side only.
@@ -197,7 +199,8 @@ def _equally_oriented(triangles: Ints, name: str) -> Ints:
     upper, lower = connected_components(_graph(joined, 2 * count), directed=False)[1].reshape(2, count)
     if upper[0] == lower[0]:
         raise TargetError(name, "has one side only, as a Moebius strip has: a target has two sides")
-    return np.where((upper != upper[0])[:, None], triangles[:, ::-1], triangles)
+    parts = len(np.unique(np.minimum(upper, lower)))
+    return np.where((upper != upper[0])[:, None], triangles[:, ::-1], triangles), parts
 
 
 def _graph(edges: Ints, count: int) -> sp.csr_array:
