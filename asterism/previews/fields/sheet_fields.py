@@ -25,7 +25,6 @@ from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
-from scipy.linalg import expm
 from scipy.ndimage import label
 from scipy.spatial import cKDTree
 
@@ -99,7 +98,10 @@ def directions(fields: Fields, at: StarPlaces) -> Fields:
     stiffness[..., :3, :3] += stiffness[..., :1, :1] * voigt_matrices(differs[..., MEMBRANE_COLUMNS])
     stiffness[..., 3:, 3:] = (at.log_mean("bending") / at.lam**4)[..., None, None] * q
     along, across = np.moveaxis(0.5 * differs[..., METRIC_COLUMNS], -1, 0)
-    root = expm(np.moveaxis(np.array([[along, across], [across, -along]]), (0, 1), (-2, -1)))
+    deviator = np.moveaxis(np.array([[along, across], [across, -along]]), (0, 1), (-2, -1))
+    size = np.hypot(along, across)[..., None, None]
+    # the exponential of the deviator; that of scipy goes through the matrices one by one
+    root = np.cosh(size) * np.eye(2) + np.sinh(size) / np.where(size > 0.0, size, 1.0) * deviator
     metric = root @ np.asarray(fields.metric)[..., [[0, 2], [2, 1]]] @ root
     # -lam^2 Q^-1 m with components 11, 22, 12
     bend = -(at.lam**2)[..., None] * np.linalg.solve(q, m[..., None])[..., 0] * np.array([1.0, 1.0, 0.5])
