@@ -108,11 +108,12 @@ def check_replaceable(path: Path, known: str | None) -> None:
         return
     try:
         text = file_text(path)
+        is_known = text is not None and text == known
     except ValueError:
-        text = None
+        is_known = False
     except OSError:
-        return  # writing says what is wrong
-    if text is None or text != known:
+        is_known = True  # writing says what is wrong
+    if not is_known:
         if known is None:
             raise KeptFileError("file exists", f"{path.name} exists already and holds another design")
         mistake = ""

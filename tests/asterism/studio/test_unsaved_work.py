@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from asterism.results.files import OutputError
-from asterism.studio import autosave
+from asterism.studio import autosave, design_file
 from asterism.studio.autosave import autosaves
 from asterism.studio.design_file import FileWatch
 from asterism.studio.document import Document
@@ -126,3 +126,16 @@ def test_a_read_only_file_is_written_only_on_request(page: Page, folder: Path) -
     page.send(type="save", over=True)
     page.until("saved")
     assert (folder / "dome.toml").read_bytes() != text
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="permissions are others")
+def test_a_file_that_nobody_may_read_or_write_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def refused(path: Path) -> str:
+        raise PermissionError(path)
+
+    file = tmp_path / "dome.toml"
+    file.write_text('name = "dome"\n', encoding="utf-8")
+    file.chmod(0)
+    monkeypatch.setattr(design_file, "file_text", refused)  # the superuser may read all files
+    with pytest.raises(design_file.KeptFileError, match=r"dome\.toml is read-only"):
+        design_file.check_replaceable(file, None)
