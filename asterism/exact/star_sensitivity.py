@@ -20,9 +20,11 @@ from asterism.discrete.release.continuation import solve_on_mesh
 from asterism.discrete.release.levels import model_on
 from asterism.discrete.release.prolongation import fit_to_surface
 from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.errors import Error
 from asterism.equilibrium.newton.minimise import is_definite_on_support
 from asterism.equilibrium.threads import one_blas_thread
 from asterism.pattern.design.design import Design
+from asterism.pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM
 from asterism.pattern.geometry.planar import triangle_areas
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.painted_stars import SIZE_KEYS, SizeName, with_painted_stars
@@ -34,6 +36,12 @@ from asterism.shape.surface_fields import deformation_gradients
 COLOUR_STEPS = (3, 2, 2)
 # change of a size for the differences: of lengths in mm, of thicknesses and widths relative to them
 SIZE_STEP = 1e-4
+# mm, below which a size cannot be printed: steps go down, since longer arms may reach others, but not below
+LEAST_MM = (MIN_ARM_MM, THICKNESS_RANGE_MM[0], WIDTH_RANGE_MM[0])
+
+
+class SaddleError(Error, ValueError):
+    """An equilibrium is no minimum, and has no response."""
 
 
 class StarResponse:
@@ -46,7 +54,7 @@ class StarResponse:
 
     Raises
     ------
-    ValueError
+    SaddleError
         The shape is not a minimum.
 
     Examples
@@ -67,7 +75,7 @@ class StarResponse:
         state = solve_on_mesh(model, fit_to_surface(model, shape.positions)).state
         self._model, self._factor = model, model.factor()
         if not is_definite_on_support(model, state, model.hessian(state, 0.0), self._factor):
-            raise ValueError("sensitivities belong to a minimum")
+            raise SaddleError("sensitivities belong to a minimum")
         self._forces = sp.hstack([_forces(model, state, SIZE_KEYS.index(size)) for size in sizes]).tocsr()
 
     def __call__(self, changes: Floats) -> Floats:
@@ -81,6 +89,7 @@ def _forces(model: DiscreteModel, state: State, column: int) -> sp.coo_array:
     """(n_dofs, S) change of the energy's gradient per mm of one size of each star, at its vertices."""
     plan, gradient, known = model.layout, model.full_gradient(state), model.layout.star_sizes_mm[:, column]
     steps = np.full(len(known), SIZE_STEP) * (1.0 if column == 0 else known)
+    steps = np.where(known - steps < LEAST_MM[column], steps, -steps)
     vertex = np.concatenate(
         [np.repeat(np.arange(model.n_vertices), 3), model.edges[:, 0], np.repeat(model.joint_vertices, 3)]
     )

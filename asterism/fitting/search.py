@@ -25,7 +25,7 @@ from asterism.discrete.release.continuation import Report
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.errors import Error
 from asterism.exact.simulation import exact_shape
-from asterism.exact.star_sensitivity import StarResponse
+from asterism.exact.star_sensitivity import SaddleError, StarResponse
 from asterism.fitting.first_guess import FITTED_SIZE_DECIMALS
 from asterism.fitting.reach import StarMenu
 from asterism.fitting.residual import OFF_SHEET_MM, FitDistance, Residual, SheetState
@@ -367,16 +367,22 @@ class ExactCorrection:
             if rounding is not None:
                 thickness = start.sizes_mm[:, 1]
                 rounded[len(thickness) :] = np.log(rounding.thickness(thickness) / thickness) / THICKNESS_UNIT
-            linear = _Linear(last, self.search.residual, start, start)
-            step = linear.step(FIRST_CHANGE, varies, rounded)
-            self._try(start.moved(step - rounded), start, base, linear.shape_after(step))
+            try:
+                linear = _Linear(last, self.search.residual, start, start)
+                step = linear.step(FIRST_CHANGE, varies, rounded)
+                self._try(start.moved(step - rounded), start, base, linear.shape_after(step))
+            except SaddleError:
+                self._try(start, start, base, last)
         most = FIRST_CHANGE
         for _ in range(rounds):
             # % of the diameter, exact distance within which corrections end
             if self.exact is None or self.distance is None or self.distance.weighted_percent <= 0.1:
                 break
             before, exact = self.sizes or start, self.exact
-            linear = _Linear(exact, self.search.residual, before, start)
+            try:
+                linear = _Linear(exact, self.search.residual, before, start)
+            except SaddleError:
+                break
             for part in (1.0, *SMALLER_PARTS):
                 step = linear.step(part * most, varies)
                 # smallest change, and relative decrease of the distance that a correction must promise

@@ -78,7 +78,7 @@ class StarLens(SheetLens):
             self._nearest = cKDTree(layout.centres).query(self.points)[1]
         if before is None or sheet.arms is not before.arms:
             known = None if before is None else (before.arms, self._arm_shares)
-            self._arm_shares: sp.csr_matrix = arm_shares(sheet.arms, self.points, known)
+            self._arm_shares: sp.csc_matrix = arm_shares(sheet.arms, self.points, known)
 
     def __call__(self, x: Floats) -> Places:
         """The positions of the points for degrees of freedom x (N, 3) of the shell."""

@@ -12,6 +12,7 @@ from asterism.equilibrium.arrays import Floats
 from asterism.exact.simulation import exact_shape
 from asterism.exact.star_sensitivity import StarResponse
 from asterism.pattern.design.design import Design
+from asterism.pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM
 from asterism.pattern.geometry.rigid_fit import rigid_fit
 from asterism.pattern.layout.painted_stars import SIZE_KEYS, SizeName, with_painted_stars
 from asterism.shape.shape import Shape
@@ -51,3 +52,27 @@ def test_the_derivative_is_that_of_changed_stars(pins: list[dict[str, Any]]) -> 
             moved = shape.positions + 2.0 * sign * responses[..., number]
             given += sign * at_stars(replace(shape, positions=moved))
         assert np.linalg.norm(given - expected) < nearness * np.linalg.norm(expected), size
+
+
+@pytest.mark.slow
+def test_stars_of_one_colour_give_the_same_as_stars_one_by_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    shape = exact_shape(Design.from_dict({"stars": {"length_mm": 7.5}, "border": {"rings": 2}, "pins": [HELD]}))
+    assert shape.plan is not None
+    changes = np.eye(len(shape.plan.centres))
+    together = StarResponse(shape, "length_mm")(changes)
+    monkeypatch.setattr("asterism.exact.star_sensitivity.COLOUR_STEPS", (1000,) * 3)
+    alone = StarResponse(shape, "length_mm")(changes)
+    assert np.abs(together - alone).max() < 1e-6 * np.abs(alone).max()
+
+
+def test_stars_at_both_ends_of_what_can_be_printed_have_derivatives() -> None:
+    """Arms that nearly reach the next star, the thickest ones, and the shortest and thinnest."""
+    lattice = {"kind": "square", "spacing_mm": 18.0, "arms": 4}
+    pins = [{"corners": [0, 1, 2, 3], "scale": 0.8}]
+    border = {"polygon_mm": [[-27.0, -27.0], [27.0, -27.0], [27.0, 27.0], [-27.0, 27.0]]}
+    for length, thickness in ((8.0, THICKNESS_RANGE_MM[1]), (MIN_ARM_MM, THICKNESS_RANGE_MM[0])):
+        stars = {"length_mm": length, "thickness_mm": thickness, "width_mm": 2.0}
+        design = Design.from_dict({"stars": stars, "lattice": lattice, "border": border, "pins": pins})
+        shape = exact_shape(design, edge_mm=EDGE_MM)
+        response = StarResponse(shape, "length_mm", "thickness_mm")
+        assert shape.plan is not None and np.isfinite(response(np.eye(2 * len(shape.plan.centres)))).all()

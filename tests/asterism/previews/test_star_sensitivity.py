@@ -62,6 +62,15 @@ def test_rounded_sizes_are_changed_from_their_rounded_values() -> None:
         assert np.abs(given - expected).max() < 1e-6 * np.abs(expected).max()
 
 
+@pytest.mark.slow
+def test_stars_of_one_colour_give_the_same_as_stars_one_by_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    preview = Preview(design([PINNED]))
+    together = star_sensitivity(preview.state, "length_mm")
+    monkeypatch.setattr("asterism.previews.star_sensitivity.COLOUR_STEPS", 1000)
+    alone = star_sensitivity(preview.state, "length_mm")
+    assert np.abs(together - alone).max() < 1e-9 * np.abs(alone).max()
+
+
 def test_a_linear_response_has_no_sensitivities() -> None:
     preview = Preview(design([]))
     edit = preview.edit(with_painted_stars(preview.design, [[0, 0]], [[7.5, np.nan, np.nan]]))

@@ -11,7 +11,9 @@ from hypothesis import strategies as st
 
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.cell.point_group import ALL_ANGLES_RAD
+from asterism.homogenize.law import anisotropy
 from asterism.homogenize.law.anisotropy import (
+    ANISOTROPY_SIZE,
     BENDING_COLUMNS,
     ISOTROPIC_PLATE,
     MEMBRANE_COLUMNS,
@@ -19,10 +21,12 @@ from asterism.homogenize.law.anisotropy import (
     MIN_BENDING_RATIO,
     MOMENT_COLUMNS,
     SPHERICAL,
+    VOIGT_ENTRIES,
     isotropic_constants,
     isotropic_plane,
     natural_curvatures,
     sample_anisotropy,
+    tube_of_largest_gain,
     voigt_matrices,
 )
 
@@ -167,3 +171,19 @@ def test_the_fit_of_an_uneven_cell_does_not_depend_on_the_axes(number: int) -> N
         turn = turned(steps * np.pi / 6)
         np.testing.assert_allclose(own, turn.T @ q @ turn, atol=1e-3 * np.abs(q).max())
         np.testing.assert_allclose(moment, turn.T @ m, atol=1e-3 * np.abs(m).max())
+
+
+def test_the_better_of_two_near_peaks_is_found() -> None:
+    """Over random tensors, some of which gain nearly alike about two axes."""
+    rng = np.random.default_rng(2)
+    own, kappa = np.zeros((400, ANISOTROPY_SIZE)), np.full(400, 0.02)
+    for row in own:
+        root = rng.normal(size=(3, 3)) * rng.choice([0.3, 1.0])
+        bending = MIN_BENDING_RATIO * ISOTROPIC_PLATE + root @ root.T
+        row[BENDING_COLUMNS] = [(bending - ISOTROPIC_PLATE)[entry] for entry in VOIGT_ENTRIES]
+        row[MOMENT_COLUMNS] = 0.03 * rng.normal(size=3)
+    found = tube_of_largest_gain(kappa, own)
+    everywhere, gain = natural_curvatures(*anisotropy.tensors(kappa, own), np.linspace(0.0, np.pi, 3600))
+    best = gain.max(axis=1)[:, None]
+    off = np.where(gain > 0.999 * best, np.abs(everywhere - found[:, None]), np.inf).min(axis=1)
+    assert (off < 0.02 * np.abs(found)).all()
