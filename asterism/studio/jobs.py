@@ -171,7 +171,7 @@ class JobRequests:
 
     def _fail(self, job: RunningJob, why: dict[str, Any]) -> None:
         """Tell pages that a job has no result to be shown, after the message that says why."""
-        self._studio.tabs.tell(why)
+        self._studio.tabs.tell({**why, "job": job.kind} if why["type"] == "problem" else why)
         self._studio.tabs.tell({"type": "result", "job": job.kind, "failed": True})
 
     def _finish(self, job: RunningJob, summary: dict[str, Any], files: list[Path], warnings: tuple[str, ...]) -> None:
