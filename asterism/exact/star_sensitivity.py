@@ -7,11 +7,12 @@ response. Stars some lattice steps apart share no vertex, so that they are chang
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import scipy.sparse as sp
-from scipy.sparse.linalg import spsolve
+from scipy.sparse.linalg import splu
 from scipy.spatial import cKDTree
 
 from asterism.discrete.model.discrete_model import DiscreteModel
@@ -25,12 +26,13 @@ from asterism.equilibrium.newton.minimise import is_definite_on_support
 from asterism.equilibrium.threads import one_blas_thread
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM
+from asterism.pattern.geometry.normals import sum_at_vertices
 from asterism.pattern.geometry.planar import triangle_areas
 from asterism.pattern.layout.build import layout
-from asterism.pattern.layout.painted_stars import SIZE_KEYS, SizeName, with_painted_stars
+from asterism.pattern.layout.painted_stars import SIZE_KEYS, SizeName, stars_apart, with_painted_stars
 from asterism.pattern.rods.graph import RodGraph
 from asterism.shape.shape import Shape
-from asterism.shape.surface_fields import deformation_gradients
+from asterism.shape.surface_fields import deformation_gradients, directed_edges
 
 # lattice steps between stars whose length, thickness or width is changed together: a length moves the mesh
 COLOUR_STEPS = (3, 2, 2)
@@ -50,7 +52,7 @@ class StarResponse:
     Parameters
     ----------
     shape : exact shape of a design with S stars, a minimum.
-    sizes : K of `length_mm`, `thickness_mm` and `width_mm`, as before a rounding of the design.
+    sizes : K of `length_mm`, `thickness_mm` and `width_mm`; those that the design rounds have no response.
 
     Raises
     ------
@@ -76,7 +78,8 @@ class StarResponse:
         self._model, self._factor = model, model.factor()
         if not is_definite_on_support(model, state, model.hessian(state, 0.0), self._factor):
             raise SaddleError("sensitivities belong to a minimum")
-        self._forces = sp.hstack([_forces(model, state, SIZE_KEYS.index(size)) for size in sizes]).tocsr()
+        moved = _followed(model)
+        self._forces = sp.hstack([_forces(model, state, SIZE_KEYS.index(size), moved) for size in sizes]).tocsr()
 
     def __call__(self, changes: Floats) -> Floats:
         """(V, 3, n) mm, moves of the vertices for changes (K S, n) of the sizes, mm: first all of the first size."""
@@ -85,24 +88,24 @@ class StarResponse:
         return response[: 3 * model.n_vertices].reshape(model.n_vertices, 3, -1)
 
 
-def _forces(model: DiscreteModel, state: State, column: int) -> sp.coo_array:
-    """(n_dofs, S) change of the energy's gradient per mm of one size of each star, at its vertices."""
-    plan, gradient, known = model.layout, model.full_gradient(state), model.layout.star_sizes_mm[:, column]
+def _forces(model: DiscreteModel, state: State, column: int, moved: Callable[[Floats], Floats]) -> sp.coo_array:
+    """(n_dofs, S) change of the energy's gradient per mm of one size of each star, at its vertices.
+
+    `moved`: moves of all vertices of the mesh for those of the rods.
+    """
+    plan, known = model.layout, model.layout.star_sizes_mm[:, column]
+    if column > 0 and model.design.required_stars.rounding is not None:
+        return sp.coo_array((model.n_dofs, len(known)))  # it stays as it is printed
+    gradient, vertex = model.full_gradient(state), model.vertex_of_dofs
     steps = np.full(len(known), SIZE_STEP) * (1.0 if column == 0 else known)
     steps = np.where(known - steps < LEAST_MM[column], steps, -steps)
-    vertex = np.concatenate(
-        [np.repeat(np.arange(model.n_vertices), 3), model.edges[:, 0], np.repeat(model.joint_vertices, 3)]
-    )
-    apart = COLOUR_STEPS[column]
-    colours = (plan.sites % apart) @ np.array([apart, 1])
     parts = []
-    for colour in np.unique(colours):
-        stars = np.flatnonzero(colours == colour)
+    for stars in stars_apart(plan, COLOUR_STEPS[column]):
         sizes = np.full((len(stars), len(SIZE_KEYS)), np.nan)
         sizes[:, column] = known[stars] + steps[stars]
         design = with_painted_stars(model.design, plan.sites[stars], sizes)
         changed = layout(design)
-        moves = _mesh_moves(model, changed.graph)
+        moves = moved(_rod_moves(model, changed.graph))
         other = type(model)(design, changed, replace(model.mesh, points=model.mesh.points + moves))
         kept = model.moved_to(state, state.positions + _along_the_sheet(model, state.positions, moves))
         change = other.full_gradient(kept) - gradient
@@ -113,35 +116,42 @@ def _forces(model: DiscreteModel, state: State, column: int) -> sp.coo_array:
     return sp.coo_array((values, (rows, columns)), shape=(model.n_dofs, len(known)))
 
 
-def _mesh_moves(model: DiscreteModel, graph: RodGraph) -> Floats:
-    """(V, 2) mm: the vertices of rods move as the rods do, those around them within their star's cell follow."""
+def _rod_moves(model: DiscreteModel, graph: RodGraph) -> Floats:
+    """(V, 2) mm, moves of the vertices of rods that are as those of a graph; others stay."""
     mesh, moves = model.mesh, np.zeros_like(model.mesh.points)
     for path, before, after in zip(mesh.rods, model.layout.graph.rods, graph.rods, strict=True):
         if not np.array_equal(before.points, after.points):
             steps = np.linalg.norm(np.diff(mesh.points[path], axis=0), axis=1)
             part = np.concatenate([[0.0], np.cumsum(steps) / steps.sum()])
             moves[path] = after.at(after.points, part) - before.at(before.points, part)
-    if not moves.any():
-        return moves
-    pairs = np.concatenate([mesh.triangles[:, [0, 1]], mesh.triangles[:, [1, 2]], mesh.triangles[:, [2, 0]]])
+    return moves
+
+
+def _followed(model: DiscreteModel) -> Callable[[Floats], Floats]:
+    """The moves of all vertices (V, 2) mm for those of rods: vertices around them within their star's cell follow."""
+    mesh, pairs = model.mesh, directed_edges(model.mesh.triangles)
     cell = cKDTree(model.layout.centres).query(mesh.points)[1]
     known = np.asarray(model.constraints.held.any(axis=1))
     known[pairs[cell[pairs[:, 0]] != cell[pairs[:, 1]]]] = True
     known[np.concatenate([*mesh.rods, mesh.border_vertices, *mesh.hole_vertices])] = True
     joins = sp.coo_array((np.ones(len(pairs)), pairs.T), shape=(len(known), len(known))).tocsr()
-    laplacian = sp.csgraph.laplacian(joins + joins.T).tocsr()
     free = np.flatnonzero(~known)
-    moves[free] = spsolve(laplacian[free][:, free].tocsc(), -(laplacian[free] @ moves))
-    return moves
+    rows = sp.csgraph.laplacian(joins + joins.T).tocsr()[free]
+    factor = splu(rows[:, free].tocsc())
+
+    def moved(moves: Floats) -> Floats:
+        moves[free] = factor.solve(-(rows @ moves))
+        return moves
+
+    return moved
 
 
 def _along_the_sheet(model: DiscreteModel, positions: Floats, moves: Floats) -> Floats:
     """(V, 3) mm, by how much the vertices of a sheet move along it, if their printed places move by (V, 2) mm."""
     points, corners = model.mesh.points, model.mesh.triangles
-    gradients, area = deformation_gradients(points, positions, corners), triangle_areas(points, corners)
+    area = triangle_areas(points, corners).repeat(3)
+    gradients = deformation_gradients(points, positions, corners).reshape(-1, 6).repeat(3, axis=0)
     # the mean at every vertex by the areas
-    total, weight = np.zeros((len(points), 3, 2)), np.zeros(len(points))
-    for corner in corners.T:
-        np.add.at(total, corner, gradients * area[:, None, None])
-        np.add.at(weight, corner, area)
-    return np.einsum("vij,vj->vi", total / weight[:, None, None], moves)
+    total = sum_at_vertices(corners, area[:, None] * gradients, len(points)).reshape(-1, 3, 2)
+    mean = total / sum_at_vertices(corners, area, len(points))[:, None, None]
+    return np.einsum("vij,vj->vi", mean, moves)

@@ -71,6 +71,7 @@ class StarLens(SheetLens):
         if before is None:
             far = layout.distance_to_supports(self.points)
             self._stays = np.minimum(far / (FABRIC_BEYOND_TIP * layout.spacing_mm), 1.0)
+            self._tree = cKDTree(self.points)
         if before is None or sheet.law is not before.law:
             self._waves = sheet.law.waves(self.points - layout.lattice_origin)
         if before is None or sheet.stars is not before.stars:
@@ -78,7 +79,7 @@ class StarLens(SheetLens):
             self._nearest = cKDTree(layout.centres).query(self.points)[1]
         if before is None or sheet.arms is not before.arms:
             known = None if before is None else (before.arms, self._arm_shares)
-            self._arm_shares: sp.csc_matrix = arm_shares(sheet.arms, self.points, known)
+            self._arm_shares: sp.csc_matrix = arm_shares(sheet.arms, self._tree, known)
 
     def __call__(self, x: Floats) -> Places:
         """The positions of the points for degrees of freedom x (N, 3) of the shell."""
@@ -164,12 +165,13 @@ class Arms:
         return np.asarray((excess / np.maximum(stretch, 1e-9))[:, None] * self.direction)
 
 
-def arm_shares(arms: Arms, points: Floats, before: tuple[Arms, sp.csc_matrix] | None = None) -> sp.csc_matrix:
-    """(n, A) shares of all arms, at points (n, 2) mm, in the moves of the tips along the sheet.
+def arm_shares(arms: Arms, tree: cKDTree, before: tuple[Arms, sp.csc_matrix] | None = None) -> sp.csc_matrix:
+    """(n, A) shares of all arms, at the points (n, 2) mm of a tree, in the moves of the tips along the sheet.
 
     `before`: other arms, on a sheet with the same supported points, and their shares at these points. Those of arms
     that are the same are used again.
     """
+    points = tree.data
     beside, beyond = (b * arms.layout.spacing_mm for b in (FABRIC_BESIDE_ARM, FABRIC_BEYOND_TIP))
     # fabric follows up to four times the length in which it does so by 1/e
     longest, pins = arms.length.max(), arms.layout.pin_points
@@ -178,7 +180,7 @@ def arm_shares(arms: Arms, points: Floats, before: tuple[Arms, sp.csc_matrix] | 
         known = (before[0].centre == arms.centre).all(axis=1) & (before[0].tip == arms.tip).all(axis=1)
     new = np.flatnonzero(~known)
     middle = arms.centre[new] + 0.5 * arms.length[new, None] * arms.direction[new]
-    pairs = cKDTree(middle).sparse_distance_matrix(cKDTree(points), reach, output_type="ndarray")
+    pairs = cKDTree(middle).sparse_distance_matrix(tree, reach, output_type="ndarray")
     arm, point = new[pairs["i"]], np.ascontiguousarray(pairs["j"])
     offset, direction = points[point] - arms.centre[arm], arms.direction[arm]
     along = np.einsum("pc,pc->p", offset, direction)
@@ -191,7 +193,8 @@ def arm_shares(arms: Arms, points: Floats, before: tuple[Arms, sp.csc_matrix] | 
     near = np.exp(crease - np.sqrt(crease**2 + (aside / beside) ** 2 + (ahead / beyond) ** 2))
     near *= np.maximum(1.0 - np.sqrt(aside**2 + ahead**2) / arms.room[arm], 0.0)
     if len(pins):
-        near *= np.minimum(cKDTree(pins).query(points)[0] / beside, 1.0)[point]
+        touched, where = np.unique(point, return_inverse=True)
+        near *= np.minimum(cKDTree(pins).query(points[touched])[0] / beside, 1.0)[where]
     shares = sp.csc_matrix((part * near, (point, arm)), shape=(len(points), len(known)))
     if before is not None and known.any():
         shares = shares + before[1].multiply(known)

@@ -16,7 +16,7 @@ from asterism.equilibrium.arrays import Floats
 from asterism.fem.search.linear_response import stress_responses, stress_under
 from asterism.homogenize.law.axes import AXES
 from asterism.pattern.layout.build import layout
-from asterism.pattern.layout.painted_stars import SIZE_KEYS, SizeName, with_painted_stars
+from asterism.pattern.layout.painted_stars import SIZE_KEYS, SizeName, stars_apart, with_painted_stars
 from asterism.previews.fields.star_values import StarValues, star_values
 from asterism.previews.solve import PreviewState
 
@@ -41,7 +41,7 @@ def star_sensitivity(state: PreviewState, size: SizeName) -> Floats:
     points = shell.points.reshape(-1, 2)
     changes: list[Floats] = []
     order: list[int] = []
-    for stars in _colours(state):
+    for stars in stars_apart(state.layout, COLOUR_STEPS):
         fields = state.sheet.fields(_mixed(state.sheet.values, changed, stars))
         difference = stress_under(shell, x, fields) - before
         owner = cKDTree(state.layout.centres[stars]).query(points)[1].reshape(difference.shape[:2])
@@ -76,12 +76,6 @@ def size_steps(state: PreviewState, size: SizeName, sizes: Floats) -> Floats:
     steps = np.full(len(sizes), 0.005) if size == "length_mm" else 5e-4 * sizes
     top = state.sheet.law.size_ranges(state.design.fabric.stretch_xy)[AXES[SIZE_KEYS.index(size)].key][1]
     return np.where(sizes + steps > top, -steps, steps)
-
-
-def _colours(state: PreviewState) -> list[np.ndarray]:
-    """Numbers of the stars that are changed together."""
-    colours = (state.layout.sites % COLOUR_STEPS) @ np.array([COLOUR_STEPS, 1])
-    return [np.flatnonzero(colours == colour) for colour in np.unique(colours)]
 
 
 def _mixed(values: StarValues, changed: StarValues, stars: np.ndarray) -> StarValues:

@@ -140,15 +140,18 @@ class System:
         """The target, or the last state on the straight way to it without intersections. Here: the target."""
         return target
 
+    @property
+    def vertex_of_dofs(self) -> Array:
+        """(n_dofs,) vertex that each dof belongs to: a twist to the first of its rod edge, a spin to its joint."""
+        own = np.repeat(np.arange(self.n_vertices), 3)
+        return np.concatenate([own, self.edges[:, 0], np.repeat(self.joint_vertices, 3)])
+
     def near_nullspace(self, state: State) -> tuple[Array, Array]:
         """Vertex of every free dof (free,) and the six rigid motions (free, 6), for multigrid.
 
-        A twist belongs to the first vertex of its rod edge, a spin to its joint. Supports are ignored, since away from
-        them rigid motions still cost almost no energy.
+        Supports are ignored, since away from them rigid motions still cost almost no energy.
         """
-        owners = [np.repeat(np.arange(self.n_vertices), 3), self.edges[:, 0], np.repeat(self.joint_vertices, 3)]
-        vertex = np.concatenate(owners)[self.free]
-        nodes = np.unique(vertex, return_inverse=True)[1]
+        nodes = np.unique(self.vertex_of_dofs[self.free], return_inverse=True)[1]
         return nodes, rigid_motions(state, self.edges, np.zeros_like(self.held), self.free)
 
     def support(self, state: State) -> Array:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 
 import numpy as np
 import scipy.sparse as sp
@@ -89,9 +89,13 @@ class SparsePattern:
 
     def product(self, data: Floats, x: Floats) -> Floats:
         """Product of the symmetric matrix with x (size,) or (size, k)."""
-        low = self.lower(data)
-        diagonal = data[self.diagonal]
-        return np.asarray(low @ x + low.T @ x - (diagonal * x.T).T)
+        return self.multiplier(data)(x)
+
+    def multiplier(self, data: Floats) -> Callable[[Floats], Floats]:
+        """The products of one symmetric matrix."""
+        low, diagonal = self.lower(data), data[self.diagonal]
+        upper = low.T
+        return lambda x: np.asarray(low @ x + upper @ x - (diagonal * x.T).T)
 
 
 def _pairs(element_dofs: Sequence[Ints], reduced: Ints) -> Iterator[tuple[Ints, Ints]]:

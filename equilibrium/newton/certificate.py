@@ -93,8 +93,7 @@ def _lobpcg_mode(pattern: SparsePattern, data: Floats, factor: IterativeFactor, 
     # symmetric sheets have double eigenvalues
     block = np.column_stack([start, np.random.default_rng(1).standard_normal((size, 3))])
 
-    def times(v: Floats) -> Floats:
-        return pattern.product(data, v)
+    times = pattern.multiplier(data)
 
     def precondition_projected(v: Floats) -> Floats:
         # the preconditioner would amplify the modes that rounding errors leave

@@ -12,6 +12,7 @@ from asterism.equilibrium.arrays import Ints
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.stars import Override, Site
 from asterism.pattern.layout.build import sheet_sites
+from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.star_cells import site_of
 
 SIZE_KEYS = ("length_mm", "thickness_mm", "width_mm")
@@ -68,6 +69,12 @@ def overrides_by_site(design: Design) -> list[Override]:
         site = site_of(entry, cells, lattice)
         out.append(entry.model_copy(update={"star": None, "at_mm": None, "site": site}) if site else entry)
     return out
+
+
+def stars_apart(layout: Layout, steps: int) -> list[Ints]:
+    """Numbers of the stars of a layout in groups, within which they are at least so many lattice steps apart."""
+    group = (layout.sites % steps) @ np.array([steps, 1])
+    return [np.flatnonzero(group == number) for number in np.unique(group)]
 
 
 @lru_cache(maxsize=20_000)

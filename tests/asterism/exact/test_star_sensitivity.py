@@ -76,3 +76,11 @@ def test_stars_at_both_ends_of_what_can_be_printed_have_derivatives() -> None:
         shape = exact_shape(design, edge_mm=EDGE_MM)
         response = StarResponse(shape, "length_mm", "thickness_mm")
         assert shape.plan is not None and np.isfinite(response(np.eye(2 * len(shape.plan.centres)))).all()
+
+
+def test_a_thickness_that_is_rounded_has_no_response_even_between_two_layers() -> None:
+    rounding = {"first_layer_mm": 0.3, "layer_mm": 0.2, "line_mm": 0.4}
+    stars = {"length_mm": 7.0, "thickness_mm": 0.4, "rounding": rounding}
+    design = Design.from_dict({"stars": stars, "border": {"rings": 1}, "pins": [HELD]})
+    moves = StarResponse(exact_shape(design, edge_mm=EDGE_MM), "length_mm", "thickness_mm")(np.eye(14))
+    assert np.abs(moves[..., :7]).max() > 0.1 and not moves[..., 7:].any()

@@ -7,6 +7,7 @@ import pytest
 import scipy.sparse as sp
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
+from scipy.spatial import cKDTree
 
 from asterism.fem.search.simple_shapes import SimpleShape
 from asterism.homogenize.cell.unit_cell import UnitCell
@@ -56,7 +57,7 @@ def test_fabric_beside_arms_follows_them_as_in_a_flat_cell(length: float, off: f
     weights = cell.weights / cell.weights.sum()
     preview = Preview(cell_design(length, 0.4, border={"rings": 3}, fabric={}), plain_law())
     arms = Arms(preview.sheet.layout, preview.sheet.space)
-    moved = arm_shares(arms, offset) @ ((1.0 - flat.stretch) * length * arms.direction)
+    moved = arm_shares(arms, cKDTree(offset)) @ ((1.0 - flat.stretch) * length * arms.direction)
     right, moved = right - weights @ right, moved - weights @ moved
     assert np.sqrt(weights @ ((moved - right) ** 2).sum(axis=1)) < off * np.sqrt(weights @ (right**2).sum(axis=1))
 
@@ -75,7 +76,7 @@ def test_what_ends_at_a_held_side_and_what_is_pinned_stay() -> None:
     assert distance_to_outline(preview.sheet.layout.arm_tip, preview.sheet.layout.outline).min() < 1.0
     assert (bumpy / smooth).max() < 2.0
     pinned = sheet([{"points_mm": [[0.0, -4.0], [20.0, 20.0], [-20.0, 20.0]], "scale": 0.8}])
-    shares = arm_shares(pinned.sheet.arms, np.array([[0.0, -4.0]]))
+    shares = arm_shares(pinned.sheet.arms, cKDTree(np.array([[0.0, -4.0]])))
     assert shares.max() < 1e-9
 
 
@@ -135,7 +136,7 @@ DESIGN = Design.from_dict(
 )
 PLAN = layout(DESIGN)
 SHEET = Sheet.of(DESIGN, PLAN, plain_law())
-POINTS = np.random.default_rng(0).uniform(-30.0, 30.0, (400, 2))
+TREE = cKDTree(np.random.default_rng(0).uniform(-30.0, 30.0, (400, 2)))
 
 
 def arms_with(lengths: dict[int, float]) -> Arms:
@@ -153,10 +154,10 @@ LENGTHS = st.dictionaries(st.integers(0, len(PLAN.sheet_sites) - 1), st.floats(0
 @given(st.lists(LENGTHS, min_size=1, max_size=3))
 def test_shares_that_follow_edits_are_those_computed_anew(edits: list[dict[int, float]]) -> None:
     """Also if stars or arms disappear and come back, and if the longest arm changes."""
-    last, followed = SHEET.arms, arm_shares(SHEET.arms, POINTS)
+    last, followed = SHEET.arms, arm_shares(SHEET.arms, TREE)
     for lengths in edits:
         arms = arms_with(lengths)
         assume(np.array_equal(arms.layout.pin_points, PLAN.pin_points))  # a support beside an arm is moved onto it
-        followed, anew = arm_shares(arms, POINTS, (last, followed)), arm_shares(arms, POINTS)
+        followed, anew = arm_shares(arms, TREE, (last, followed)), arm_shares(arms, TREE)
         assert followed.toarray() == pytest.approx(anew.toarray(), abs=1e-12)
         last = arms
