@@ -26,13 +26,12 @@ if TYPE_CHECKING:
     from asterism.equilibrium.errors import Error as Error
     from asterism.exact.spread import spread as spread
     from asterism.fitting.fit import Fit as Fit
-    from asterism.fitting.run import fit as fit
-    from asterism.fitting.settings import FitSettings as FitSettings
+    from asterism.fitting.fit import fit as fit
     from asterism.fitting.solve_for import sensitivity as sensitivity
     from asterism.fitting.solve_for import solve_for as solve_for
     from asterism.fitting.solve_for import solve_for_point as solve_for_point
     from asterism.fitting.target import TargetSurface as TargetSurface
-    from asterism.fitting.target import load_target as load_target
+    from asterism.fitting.target_files import load_target as load_target
     from asterism.homogenize.law.law import Law as Law
     from asterism.homogenize.law.law_file import load_law as load_law
     from asterism.homogenize.law.material import load_material as load_material
@@ -43,8 +42,6 @@ if TYPE_CHECKING:
     from asterism.measure.strips.fit_strips import fit_strips as fit_strips
     from asterism.measure.strips.fit_strips import write_material as write_material
     from asterism.measure.strips.new_strips import new_strips as new_strips
-    from asterism.measure.strips.settings import StripFitSettings as StripFitSettings
-    from asterism.measure.strips.settings import StripPrintSettings as StripPrintSettings
     from asterism.notebook.show import show as show
     from asterism.pattern.design.design import Design as Design
     from asterism.pattern.design.design import save_design as save_design
@@ -53,7 +50,10 @@ if TYPE_CHECKING:
     from asterism.previews.session import Preview as Preview
     from asterism.previews.session import preview as preview
     from asterism.print.export import export as export
-    from asterism.print.settings import ExportSettings as ExportSettings
+    from asterism.process.settings import ExportSettings as ExportSettings
+    from asterism.process.settings import FitSettings as FitSettings
+    from asterism.process.settings import StripFitSettings as StripFitSettings
+    from asterism.process.settings import StripPrintSettings as StripPrintSettings
     from asterism.reports.compare_designs import compare_designs as compare_designs
     from asterism.reports.design_report import report as report
     from asterism.reports.fit_page import write_fit as write_fit
@@ -64,35 +64,35 @@ if TYPE_CHECKING:
     from asterism.sweeps.sweep import Sweep as Sweep
     from asterism.sweeps.sweep import sweep_design as sweep
     from asterism.sweeps.sweep import write_sweep as write_sweep
-    from asterism.verification.both_starts import simulate as simulate
-    from asterism.verification.run import verify as verify
-    from asterism.verification.verification import Verification as Verification
+    from asterism.verification.simulate import simulate as simulate
+    from asterism.verification.verify import Verification as Verification
+    from asterism.verification.verify import verify as verify
 
 # Where each public name is defined. It is imported when it is first used: the solvers take most of a second.
 _HOMES = {
     "Design": "asterism.pattern.design.design:Design",
     "Error": "asterism.equilibrium.errors:Error",
-    "ExportSettings": "asterism.print.settings:ExportSettings",
+    "ExportSettings": "asterism.process.settings:ExportSettings",
     "Fit": "asterism.fitting.fit:Fit",
-    "FitSettings": "asterism.fitting.settings:FitSettings",
+    "FitSettings": "asterism.process.settings:FitSettings",
     "Law": "asterism.homogenize.law.law:Law",
     "Preview": "asterism.previews.session:Preview",
     "Shape": "asterism.shape.shape:Shape",
-    "StripFitSettings": "asterism.measure.strips.settings:StripFitSettings",
-    "StripPrintSettings": "asterism.measure.strips.settings:StripPrintSettings",
+    "StripFitSettings": "asterism.process.settings:StripFitSettings",
+    "StripPrintSettings": "asterism.process.settings:StripPrintSettings",
     "Sweep": "asterism.sweeps.sweep:Sweep",
     "TargetSurface": "asterism.fitting.target:TargetSurface",
-    "Verification": "asterism.verification.verification:Verification",
+    "Verification": "asterism.verification.verify:Verification",
     "calibrate": "asterism.laws.calibrate:calibrate",
     "compare": "asterism.measure.compare.compare:compare",
     "compare_designs": "asterism.reports.compare_designs:compare_designs",
     "export": "asterism.print.export:export",
-    "fit": "asterism.fitting.run:fit",
+    "fit": "asterism.fitting.fit:fit",
     "fit_strips": "asterism.measure.strips.fit_strips:fit_strips",
     "load_design": "asterism.pattern.layout.build:load_design",
     "load_law": "asterism.homogenize.law.law_file:load_law",
     "load_material": "asterism.homogenize.law.material:load_material",
-    "load_target": "asterism.fitting.target:load_target",
+    "load_target": "asterism.fitting.target_files:load_target",
     "new": "asterism.pattern.gallery:load",
     "new_strips": "asterism.measure.strips.new_strips:new_strips",
     "preview": "asterism.previews.session:preview",
@@ -102,12 +102,12 @@ _HOMES = {
     "sensitivity": "asterism.fitting.solve_for:sensitivity",
     "show": "asterism.notebook.show:show",
     "show_law": "asterism.laws.show_law:show_law",
-    "simulate": "asterism.verification.both_starts:simulate",
+    "simulate": "asterism.verification.simulate:simulate",
     "solve_for": "asterism.fitting.solve_for:solve_for",
     "solve_for_point": "asterism.fitting.solve_for:solve_for_point",
     "spread": "asterism.exact.spread:spread",
     "sweep": "asterism.sweeps.sweep:sweep_design",
-    "verify": "asterism.verification.run:verify",
+    "verify": "asterism.verification.verify:verify",
     "write_comparison": "asterism.measure.compare.compare:write_comparison",
     "write_fit": "asterism.reports.fit_page:write_fit",
     "write_material": "asterism.measure.strips.fit_strips:write_material",

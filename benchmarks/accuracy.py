@@ -20,7 +20,7 @@ import numpy as np
 from asterism.homogenize.law.plan import without_law
 from asterism.pattern import gallery
 from asterism.previews.session import preview
-from asterism.verification.verification import alike
+from asterism.verification.verify import alike
 from benchmarks.frozen.draw import GROUPS, frozen
 from benchmarks.report import chosen, markdown, number, write_report
 from benchmarks.solved import Solved

@@ -25,17 +25,16 @@ from scipy.spatial import Delaunay
 
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.exact.simulation import exact_shape
-from asterism.fitting.errors import ReachError
 from asterism.fitting.first_guess import guess_design
-from asterism.fitting.fit import Fit
+from asterism.fitting.fit import Fit, fit
+from asterism.fitting.reach import ReachError
 from asterism.fitting.residual import FitPlaces, Residual, target_distance
-from asterism.fitting.run import fit
-from asterism.fitting.settings import FitSettings
 from asterism.fitting.target import TargetSurface
 from asterism.pattern.layout.build import layout
 from asterism.previews.law_choice import paper_law
 from asterism.previews.session import preview
 from asterism.print.printer import load_printer
+from asterism.process.settings import FitSettings
 from asterism.reports.fit_page import fit_views, signed_distance_map
 from asterism.reports.html import png
 from benchmarks.report import PICTURES, chosen, markdown, number, write_report

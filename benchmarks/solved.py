@@ -15,11 +15,11 @@ from asterism.pattern.layout.symmetries import Symmetry, symmetries
 from asterism.previews.model import PREVIEW_MODEL, PreviewModel
 from asterism.previews.session import preview
 from asterism.reports.write_results import write_results
-from asterism.shape.cell_mean import CellMean
 from asterism.shape.comparison import Comparison, compare_shapes
+from asterism.shape.measures import CellMean
 from asterism.shape.shape import Shape
 from asterism.shape.vtu import read_shape
-from asterism.verification.verification import right_shape
+from asterism.verification.verify import right_shape
 
 NEAR, RELEASED, FINE = "near", "released", "fine"
 

@@ -23,7 +23,7 @@ from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.entries import with_entries
 from asterism.pattern.layout.build import layout, load_design
-from asterism.verification.both_starts import simulate
+from asterism.verification.simulate import simulate
 from benchmarks.frozen.draw import GROUPS, frozen
 from benchmarks.report import ROOT, chosen, markdown, write_report
 

@@ -13,8 +13,7 @@ from jaxtyping import install_import_hook
 # Modules whose annotations give the shapes of arrays, such as Float[np.ndarray, "V 3"]: every call in a test, and every
 # record that is made, is checked against them. Modules with compiled loops cannot be wrapped.
 CHECKED_MODULES = (
-    "asterism.shape.self_intersections",
-    "asterism.shape.surface_fields",
+    "asterism.shape.surface",
     "asterism.pattern.geometry",
     "asterism.pattern.layout.layout",
     "asterism.pattern.mesh.mesh",

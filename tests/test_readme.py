@@ -20,7 +20,7 @@ import typer
 from PIL import Image
 
 import asterism
-from asterism.cli.app import app
+from asterism.cli.main import application
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design, save_design
 from asterism.pattern.layout.build import load_design
@@ -167,7 +167,7 @@ def documented() -> Iterator[tuple[str, str, bool]]:
         yield from ((page, line, False) for line in INLINE.findall(SHELL_BLOCK.sub("", text)))
 
 
-ROOT_COMMAND: Any = typer.main.get_command(app)
+ROOT_COMMAND: Any = typer.main.get_command(application())
 
 
 def mistakes(line: str, is_whole: bool) -> list[str]:
@@ -208,8 +208,8 @@ def test_documented_commands_and_options_exist() -> None:
 MODULES = [name for name, file in FILES.items() if ">>> " in file.read_text(encoding="utf-8")]
 # examples that take seconds
 LONG = {
-    *("asterism.exact.spread", "asterism.print.export", "asterism.verification.both_starts"),
-    *("asterism.fitting.run", "asterism.fitting.solve_for", "asterism.measure.compare.compare"),
+    *("asterism.exact.spread", "asterism.print.export", "asterism.verification.simulate"),
+    *("asterism.fitting.fit", "asterism.fitting.solve_for", "asterism.measure.compare.compare"),
 }
 
 

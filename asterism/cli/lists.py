@@ -9,14 +9,18 @@ from typing import Annotated, Any
 import typer
 
 import asterism
-from asterism.cli.options import (
+from asterism.cli.command import (
+    DONE,
+    WRONG_INPUT,
     DaskAddress,
     MaterialFile,
+    Mistake,
     Processes,
+    Run,
     check_workers,
+    command,
     output_option,
 )
-from asterism.cli.run import DONE, WRONG_INPUT, Mistake, Run, command
 from asterism.process.environment import quoted
 
 
@@ -99,7 +103,7 @@ def materials(run: Run) -> int:
 
     The exit status is 2 if one of your files is wrong; the list contains the others.
     """
-    from asterism.laws.replace_material import material_in_words
+    from asterism.laws.from_files import material_in_words
     from asterism.pattern.design.errors import DesignError
     from asterism.pattern.design.files import PROFILES_VARIABLE, own_folders
     from asterism.pattern.design.material_files import MATERIALS_FOLDER, material_files
@@ -138,7 +142,7 @@ def calibrate(
     """
     from asterism.homogenize.campaign.kept_samples import cells_folder
     from asterism.homogenize.campaign.workers import default_jobs
-    from asterism.laws.design_law import is_design, law_output_path, plan_from_file
+    from asterism.laws.from_files import is_design, law_output_path, plan_from_file
     from asterism.laws.show_law import law_lines
     from asterism.pattern.design.errors import DesignError
     from asterism.results.files import check_file

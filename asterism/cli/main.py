@@ -14,9 +14,12 @@ import re
 import signal
 import sys
 from types import FrameType
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 from asterism.process.environment import memory_problem, mend_environment
+
+if TYPE_CHECKING:
+    from typer import Typer
 
 # system errors of printing; errors of files have a class of their own, or a file name
 FULL_OR_GONE = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF, errno.EPIPE}
@@ -69,6 +72,24 @@ def main() -> None:
     sys.exit(status)
 
 
+def application() -> Typer:
+    """The typer application with all commands of `asterism`."""
+    from asterism.cli import lists, pages, prints, shapes
+    from asterism.cli.command import group, root
+
+    app = root()
+    for function in (
+        *(lists.new, pages.studio, shapes.preview, shapes.simulate, shapes.verify, shapes.sweep, shapes.fit),
+        *(prints.export, pages.picture, lists.printers, prints.compare, pages.compare_designs, lists.materials),
+        *(pages.report, lists.calibrate, pages.hops),
+    ):
+        app.command()(function)
+    measure = (prints.new, prints.fit, prints.weigh, prints.overhang)
+    app.add_typer(group("Measure plastic and fabric with printed strips.", *measure), name="strips")
+    app.add_typer(group("Show a law, or forget the kept cells.", lists.show, lists.forget), name="law")
+    return app
+
+
 def plain_words(message: str) -> str:
     """The option parser's message in the words of the other messages.
 
@@ -86,13 +107,12 @@ def _run() -> int:
         _stop(problem, 1)
     import typer
 
-    from asterism.cli.app import app
     from asterism.equilibrium.errors import Error
 
     # error of the option parser for a wrong command line; some versions of typer contain their own click
     usage_error: type[Exception] = typer.BadParameter.__mro__[1]
     try:
-        status = app(standalone_mode=False)
+        status = application()(standalone_mode=False)
         if sys.stdout is not None:
             sys.stdout.flush()
         return status if isinstance(status, int) else 0

@@ -10,7 +10,10 @@ from typing import Annotated, Literal
 import typer
 
 import asterism
-from asterism.cli.options import (
+from asterism.cli.command import (
+    DONE,
+    INTERRUPTED,
+    NO_ANSWER,
     BackendOption,
     Contact,
     DaskAddress,
@@ -19,15 +22,17 @@ from asterism.cli.options import (
     FileUnit,
     LawFile,
     MaterialFile,
+    Mistake,
     Processes,
+    Run,
     ToleranceOption,
     check_workers,
+    command,
     output_option,
     results_folder,
     with_overrides,
 )
-from asterism.cli.run import DONE, INTERRUPTED, NO_ANSWER, Mistake, Run, command
-from asterism.fitting.settings import FitSettings
+from asterism.process.settings import FitSettings
 
 # Designs are read before slower imports: many mistakes are there.
 
@@ -50,11 +55,11 @@ def preview(
 
     Writes summary.json, shape.vtu, rods.vtu, shape.obj and shape.png. The exit status is 1 if no minimum was found.
     """
-    from asterism.laws.replace_material import read_design
+    from asterism.laws.from_files import read_design
 
     chosen = read_design(design, material, run.warn)
 
-    from asterism.laws.design_law import law_from_file
+    from asterism.laws.from_files import law_from_file
     from asterism.print.bed_placement import size_warning
 
     directory = results_folder(design, output, design.with_suffix(""))
@@ -111,7 +116,7 @@ def simulate(
     shape.obj and shape.png, and minimum-2.vtu, minimum-2.png and so on, one pair for each further minimum. With
     --spread also spread.png. The exit status is 1 if no minimum was found.
     """
-    from asterism.laws.replace_material import read_design
+    from asterism.laws.from_files import read_design
 
     read = read_design(design, material, run.warn)
 
@@ -119,9 +124,9 @@ def simulate(
     from asterism.equilibrium.linear.backends import check_backend
     from asterism.exact.cost import exact_cost
     from asterism.exact.spread import MAX_SOLVES, check_spread
-    from asterism.laws.design_law import law_from_file
+    from asterism.laws.from_files import law_from_file
     from asterism.pattern.layout.build import layout
-    from asterism.verification.both_starts import BOTH_STARTS
+    from asterism.verification.simulate import BOTH_STARTS
 
     changed = with_overrides(read, edge=edge, tolerance=tolerance, contact=contact)
     # what is missing is said before anything else
@@ -167,13 +172,13 @@ def verify(
     Writes report.html, summary.json, exact.vtu and preview.vtu. The exit status is 1 if the exact model finds no
     minimum.
     """
-    from asterism.laws.replace_material import read_design
+    from asterism.laws.from_files import read_design
 
     read = read_design(design, material, run.warn)
 
     from asterism.equilibrium.linear.backends import check_backend
     from asterism.exact.cost import exact_cost
-    from asterism.laws.design_law import law_from_file
+    from asterism.laws.from_files import law_from_file
 
     chosen = with_overrides(read, edge=edge, tolerance=tolerance, contact=contact)
     check_backend(backend)
@@ -220,8 +225,8 @@ def sweep(
     has a shape.
     """
     from asterism.homogenize.campaign.workers import default_jobs
-    from asterism.laws.replace_material import read_design
-    from asterism.process.progress_line import CountLine
+    from asterism.laws.from_files import read_design
+    from asterism.process.progress import CountLine
     from asterism.results.files import check_folder
     from asterism.sweeps.parameters import SweepParameter
     from asterism.sweeps.solve_point import sweep_cost

@@ -12,8 +12,8 @@ from typing import IO, Any
 import numpy as np
 from PIL import Image, ImageDraw, ImageFont
 
-from asterism.draw.render import VIEWS, Scene, View, drawn_size, render, scene, sheet_camera
-from asterism.draw.ribbons import Drawable
+from asterism.draw.render import render
+from asterism.draw.scene import VIEWS, Drawable, Scene, View, drawn_size, scene, sheet_camera
 from asterism.draw.style import INK, PALE
 from asterism.equilibrium.arrays import Floats
 from asterism.results.words import distance_error

@@ -2,104 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
-from typing import Literal
 
 import numpy as np
 from scipy.ndimage import gaussian_filter
 
-from asterism.draw.ribbons import Drawable, ribbons
-from asterism.draw.shading import GLOSS_TABLE, HALFWAY, KEY_LIGHT, KEY_TABLE, shade
+from asterism.draw.scene import Camera, Scene
 from asterism.equilibrium.arrays import Floats, Ints
-from asterism.equilibrium.compiled import loop
-from asterism.pattern.geometry.diameter import diameter
-from asterism.pattern.geometry.normals import vertex_normals
-from asterism.pattern.layout.layout import off_curves_mm
+from asterism.equilibrium.compiled import formula, loop
 
-View = Literal["oblique", "above", "front", "side"]
-# (azimuth, elevation) of the cameras in deg: OBLIQUE for the perspective view, VIEWS for drawings to scale
-OBLIQUE = (-62.0, 30.0)
-# distance of the viewer in the perspective view, in diagonals of the box around the sheet
-VIEWER_DISTANCE = 2.6
-VIEWS = {"above": (-90.0, 90.0), "front": (-90.0, 0.0), "side": (0.0, 0.0)}
 # each pixel of the image is the mean of SUPERSAMPLING^2 rendered pixels
 SUPERSAMPLING = 2
 # two neighbours may both draw a pixel on their common edge, so that rounding leaves no hole; in pixels
 EDGE_TOLERANCE_PX = 1e-6
-# radius of a ball over the diameter of the sheet
-BALL_RADIUS_FACTOR = 0.011
-# radius of a tube over the diameter of the sheet
-TUBE_RADIUS_FACTOR = 0.0045
-# rings of points from pole to pole of a ball
-BALL_RINGS = 5
-# points around a ball and around a tube
-MARK_SIDES = 8
-
-
-@dataclass(frozen=True)
-class Camera:
-    """Direction and position of the viewer."""
-
-    axes: Floats  # (3, 3), rows are unit vectors to the right, upwards and towards the viewer
-    centre: Floats  # (3,) mm, centre of the view
-    distance_mm: float = np.inf  # distance of the viewer from the centre; infinite for a parallel projection
-
-    def project(self, points: Floats) -> Floats:
-        """(n, 3) mm to the right, upwards and towards the viewer, in perspective."""
-        seen = (points - self.centre) @ self.axes.T
-        return seen if np.isinf(self.distance_mm) else seen / (1 - seen[:, 2:] / self.distance_mm)
-
-
-def camera(azimuth_deg: float, elevation_deg: float, centre: Floats, distance_mm: float = np.inf) -> Camera:
-    """A camera with z upwards, at `azimuth_deg` from the x axis and `elevation_deg` above the xy plane."""
-    a, e = np.deg2rad([azimuth_deg, elevation_deg])
-    right = np.array([-np.sin(a), np.cos(a), 0.0])
-    towards = np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
-    return Camera(np.array([right, np.cross(towards, right), towards]), centre, distance_mm)
-
-
-def sheet_camera(view: View, points: Floats) -> Camera:
-    """The camera around a sheet with points (n, 3) mm: in perspective (`oblique`), or for a drawing to scale."""
-    low, high = points.min(axis=0), points.max(axis=0)
-    if view == "oblique":
-        return camera(*OBLIQUE, (low + high) / 2, VIEWER_DISTANCE * float(np.linalg.norm(high - low)))
-    return camera(*VIEWS[view], (low + high) / 2)
-
-
-@dataclass(frozen=True)
-class Scene:
-    """Sheet, ribbons of the arms and marks of the supports as triangles."""
-
-    # points, normals: (n, 3) mm and unit normals on the plastic side.
-    points: Floats
-    normals: Floats
-    triangles: Ints  # (m, 3), the sheet first, then the ribbons, then the marks
-    sheet_triangles: int  # number of triangles of the sheet
-    lift_mm: float = 0.8  # shift of ribbons and marks towards the viewer, so that creases below do not cut them
-    # (n, 3), 0 to 1, colours of both sides of the sheet; the usual two colours by default.
-    colours: Floats | None = None
-    mark_triangles: int = 0  # number of triangles of the marks
-
-
-def drawn_size(thing: Scene, view: Camera) -> Floats:
-    """(2,) mm, width and height of the view; at least 0.001 mm, so that a flat sheet has a side view."""
-    return np.asarray(np.maximum(np.ptp(view.project(thing.points)[:, :2], axis=0), 1e-3))
-
-
-def scene(shape: Drawable) -> Scene:
-    """The triangles of a shape: the sheet, the arms as ribbons on its plastic side, and marks at its supports."""
-    points, normals, strips = ribbons(shape)
-    mark_points, mark_normals, marks = pin_marks(shape)
-    count = len(shape.positions)
-    return Scene(
-        np.concatenate([shape.positions, points, mark_points]),
-        np.concatenate([vertex_normals(shape.positions, shape.triangles), normals, mark_normals]),
-        np.concatenate([shape.triangles, strips + count, marks + count + len(points)]),
-        len(shape.triangles),
-        mark_triangles=len(marks),
-    )
 
 
 def render(thing: Scene, view: Camera, pixels_per_mm: float) -> Floats:
@@ -166,15 +81,6 @@ def _turns_left(places: Floats, triangles: Ints) -> np.ndarray:
     """(T,) bool, whether the corners run counterclockwise on the image, so that the plastic side is visible."""
     a, b, c = (places[triangles[:, k]] for k in range(3))
     return (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0] > 0
-
-
-def bare(positions: Floats, triangles: Ints, colour: Floats | Sequence[float]) -> Scene:
-    """A surface with vertices (V, 3) mm and triangles (T, 3), without arms and supports.
-
-    `colour`: (3,) one colour, or (V, 3) one for each vertex, 0 to 1.
-    """
-    colours = np.broadcast_to(np.asarray(colour, dtype=float), (len(positions), 3))
-    return Scene(positions, vertex_normals(positions, triangles), triangles, len(triangles), colours=colours)
 
 
 @dataclass(frozen=True)
@@ -260,80 +166,123 @@ def _fill(corner_y, functions, depths, face, nearest):  # type: ignore[no-untype
                     face[row, column] = t
 
 
-Marks = tuple[Floats, Floats, Ints]  # points (n, 3) mm, their normals, triangles (m, 3) with these to the outside
+PLASTIC_SIDE = (0.985, 0.92, 0.80)
+FABRIC_SIDE = (0.63, 0.725, 0.845)
+ARMS = (0.20, 0.205, 0.24)
+PINS = (0.86, 0.25, 0.16)
+OUTLINE_COLOUR = (0.16, 0.16, 0.18)
+# unit vector towards the light: upper left, in front
+KEY_LIGHT = np.array([-0.50, 0.62, 0.60]) / np.linalg.norm([-0.50, 0.62, 0.60])
+# unit vector halfway between light and viewer, for the specular highlight
+HALFWAY = (KEY_LIGHT + np.array([0.0, 0.0, 1.0])) / np.linalg.norm(KEY_LIGHT + np.array([0.0, 0.0, 1.0]))
+# brightness of the key light and of the highlight, by the cosine that each of them needs
+KEY_TABLE = np.linspace(0.0, 1.0, 4096) ** 1.6
+GLOSS_TABLE = np.linspace(0.0, 1.0, 4096) ** 40
 
 
-def pin_marks(shape: Drawable) -> Marks:
-    """The marks of a supported sheet; empty for a free sheet, and if the shape carries no layout."""
-    plan = shape.layout if shape.held else None
-    if plan is None or not plan.pins:
-        return _together([])
-    size, border = diameter(shape.positions), plan.edges.start
-    points = plan.pin_points
-    runs = [run for pin in plan.pins for run in pin.chains(plan.edges)]
-    # longest piece of a tube, in radii of the tube
-    lines = [_line(border, run, 4.0 * TUBE_RADIUS_FACTOR * size) for run in runs]
-    # a tube that turns by more than this angle has a ball at the corner
-    sharp = np.flatnonzero(np.abs(plan.edges.turns) > 0.3)
-    joints = [border[[corner for corner in run if corner in sharp or corner in (run[0], run[-1])]] for run in runs]
-    try:
-        off_sheet = off_curves_mm(plan, len(shape.printed))
-        there = shape.at(np.concatenate([points, *lines, *joints]), off_sheet)
-    except ValueError:  # the layout belongs to another print
-        return _together([])
-    ends = np.cumsum([len(points), *map(len, lines), *map(len, joints)])[:-1]
-    balls, *curves = np.split(there, ends)
-    parts = [_ball(place, BALL_RADIUS_FACTOR * size) for place in balls]
-    parts += [_tube(line, TUBE_RADIUS_FACTOR * size) for line in curves[: len(lines)]]
-    return _together(
-        parts + [_ball(place, TUBE_RADIUS_FACTOR * size) for joint in curves[len(lines) :] for place in joint]
-    )
+@loop
+def shade(  # type: ignore[no-untyped-def]
+    face, depth, around, plastic_side, normals, colours, first_arm, first_mark, lights, key_table, gloss_table,
+    outline_step, sky_scale, image,
+):  # fmt: skip
+    """Write colour and opacity to image (height, width, 4), row 0 the lowest.
+
+    Parameters
+    ----------
+    face, depth : (rows, columns) of the raster, a whole multiple of those of the image.
+    around : (height, width) mean depth of the neighbourhood.
+    plastic_side : (T,) whether the plastic side of a triangle is seen.
+    normals : (3, T, 3) normals on the plastic side, in the axes of the view, of any length, as functions of the pixel.
+    colours : (3, T, 3) colours as functions of the pixel; without rows for the usual colours.
+    first_arm, first_mark : numbers of the first triangle of the arms and of the supports' marks.
+    lights : (3, 3), rows are unit vectors to the key light, to the sky, and halfway from the light to the viewer.
+    key_table, gloss_table : `KEY_TABLE`, `GLOSS_TABLE`.
+    outline_step : step of the depth (mm) behind a visible edge.
+    sky_scale : 1/mm, see `_open_sky`.
+    """
+    colour, towards = np.empty(3), np.empty(3)
+    fineness = face.shape[0] // image.shape[0]
+    for row in range(image.shape[0]):
+        for column in range(image.shape[1]):
+            red = green = blue = seen = 0.0
+            for part in range(fineness * fineness):
+                y, x = fineness * row + part // fineness, fineness * column + part % fineness
+                t = face[y, x]
+                if _is_behind_edge(depth, y, x, outline_step):
+                    colour[0], colour[1], colour[2] = OUTLINE_COLOUR
+                elif t < 0:
+                    continue
+                else:
+                    front, arm = plastic_side[t], t >= first_arm
+                    if t >= first_mark:
+                        colour[0], colour[1], colour[2] = PINS
+                    elif arm:
+                        colour[0], colour[1], colour[2] = ARMS
+                    elif colours.shape[1] > 0:
+                        for c in range(3):
+                            colour[c] = _at_pixel(colours, t, c, x, y)
+                    elif front:
+                        colour[0], colour[1], colour[2] = PLASTIC_SIDE
+                    else:
+                        colour[0], colour[1], colour[2] = FABRIC_SIDE
+                    for k in range(3):
+                        towards[k] = 0.0
+                    square = 0.0
+                    for c in range(3):
+                        normal = _at_pixel(normals, t, c, x, y)
+                        square += normal * normal
+                        for k in range(3):
+                            towards[k] += normal * lights[k, c]
+                    scale = (1.0 if front else -1.0) / max(np.sqrt(square), 1e-12)
+                    # wrapped diffuse light: a large source such as a window also lights what turns slightly away
+                    key = _tabulated(key_table, 0.5 + 0.5 * scale * towards[0])
+                    light = 0.36 + 0.54 * key + 0.13 * (0.5 + 0.5 * scale * towards[1])
+                    shine = (0.10 if arm else 0.03) * _tabulated(gloss_table, scale * towards[2])
+                    sky = _open_sky(around[row, column] - depth[y, x], sky_scale)
+                    for c in range(3):
+                        colour[c] = min(max(colour[c] * light + shine, 0.0), 1.0) * sky
+                red += colour[0]
+                green += colour[1]
+                blue += colour[2]
+                seen += 1.0
+            # divided by the opacity: otherwise the empty part of a pixel would darken the edges
+            share = max(seen, 1e-9)
+            image[row, column, 0], image[row, column, 1], image[row, column, 2] = (
+                red / share,
+                green / share,
+                blue / share,
+            )
+            image[row, column, 3] = seen / (fineness * fineness)
 
 
-def _line(border: Floats, corners: list[int], step: float) -> Floats:
-    """(k, 2) mm, points along edges from corner to corner, at most `step` mm apart."""
-    sides = [border[[first, second]] for first, second in pairwise(corners)]
-    counts = [max(int(np.ceil(np.linalg.norm(end - start) / step)), 1) for start, end in sides]
-    parts = [np.linspace(start, end, count + 1)[:-1] for (start, end), count in zip(sides, counts, strict=True)]
-    return np.concatenate([*parts, border[corners[-1:]]])
+@formula
+def _at_pixel(functions, t, c, x, y):  # type: ignore[no-untyped-def]
+    """The value of component c of triangle t at the centre of a pixel."""
+    return functions[0, t, c] * (x + 0.5) + functions[1, t, c] * (y + 0.5) + functions[2, t, c]
 
 
-def _together(parts: list[Marks]) -> Marks:
-    points = np.concatenate([np.empty((0, 3)), *(part[0] for part in parts)])
-    normals = np.concatenate([np.empty((0, 3)), *(part[1] for part in parts)])
-    first = np.cumsum([0, *(len(part[0]) for part in parts)])
-    numbered = [part[2] + start for part, start in zip(parts, first, strict=False)]
-    return points, normals, np.concatenate([np.empty((0, 3), dtype=np.int64), *numbered])
+@formula
+def _tabulated(table, value):  # type: ignore[no-untyped-def]
+    """A function of values from 0 to 1 from its table, finer than the shades of a screen; powers would take longer."""
+    return table[int(min(max(value * (table.shape[0] - 1), 0.0), table.shape[0] - 1.0))]
 
 
-def _ball(centre: Floats, radius: float) -> Marks:
-    polar = np.linspace(0.0, np.pi, BALL_RINGS)
-    circles = np.stack(
-        [np.outer(np.sin(polar), part) for part in _circle()] + [np.outer(np.cos(polar), np.ones(MARK_SIDES))]
-    )
-    normals = circles.reshape(3, -1).T
-    return centre + radius * normals, normals, _grid(BALL_RINGS)
+@formula
+def _open_sky(nearer_mm, scale):  # type: ignore[no-untyped-def]
+    """Factor below 1 where the neighbourhood is nearer to the viewer: in folds and behind edges.
+
+    Reference: Luft, Colditz and Deussen, Image enhancement by unsharp masking the depth buffer, 2006.
+    """
+    return 1.0 - 0.38 * min(max(nearer_mm * scale, 0.0), 1.0)
 
 
-def _tube(places: Floats, radius: float) -> Marks:
-    """A tube around a line (k, 3) mm, open at its ends."""
-    along = np.gradient(places, axis=0)
-    along /= np.maximum(np.linalg.norm(along, axis=1, keepdims=True), 1e-12)
-    aside = np.cross(along, np.eye(3)[np.abs(along).max(axis=0).argmin()])
-    aside /= np.maximum(np.linalg.norm(aside, axis=1, keepdims=True), 1e-12)
-    cosine, sine = _circle()
-    normals = aside[:, None] * cosine[:, None] + np.cross(aside, along)[:, None] * sine[:, None]
-    return (places[:, None] + radius * normals).reshape(-1, 3), normals.reshape(-1, 3), _grid(len(places))
-
-
-def _circle() -> tuple[Floats, Floats]:
-    angle = 2.0 * np.pi * np.arange(MARK_SIDES) / MARK_SIDES
-    return np.cos(angle), np.sin(angle)
-
-
-def _grid(rows: int) -> Ints:
-    """(m, 3) triangles of a grid of `rows` rings with `MARK_SIDES` points each: two for each cell."""
-    here = np.arange((rows - 1) * MARK_SIDES)
-    turned = here // MARK_SIDES * MARK_SIDES + (here + 1) % MARK_SIDES
-    below = np.column_stack([here, here + MARK_SIDES, turned + MARK_SIDES])
-    return np.concatenate([below, np.column_stack([here, turned + MARK_SIDES, turned])])
+@formula
+def _is_behind_edge(depth, y, x, step):  # type: ignore[no-untyped-def]
+    """Whether a neighbour of a pixel is nearer by more than a step (mm)."""
+    # depth of the background, mm
+    here = max(depth[y, x], -1e9)
+    for v in range(max(y - 1, 0), min(y + 2, depth.shape[0])):
+        for u in range(max(x - 1, 0), min(x + 2, depth.shape[1])):
+            if depth[v, u] - here > step:
+                return True
+    return False

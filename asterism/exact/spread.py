@@ -34,9 +34,15 @@ from asterism.pattern.geometry.point_location import locate
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout, off_sheet_mm
 from asterism.pattern.layout.symmetries import symmetries
-from asterism.process.listeners import Say, ignore_line
-from asterism.results.records.exact import ExactRecord
-from asterism.results.records.spread import VALUES, MeasurementRecord, SpreadEndRecord, SpreadRecord, SpreadShareRecord
+from asterism.process.progress import Say, ignore_line
+from asterism.results.records.exact import (
+    VALUES,
+    ExactRecord,
+    MeasurementRecord,
+    SpreadEndRecord,
+    SpreadRecord,
+    SpreadShareRecord,
+)
 from asterism.shape.shape import Shape
 
 # what makers can measure, and the intervals that it leaves

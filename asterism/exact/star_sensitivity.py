@@ -32,7 +32,7 @@ from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.painted_stars import SIZE_KEYS, SizeName, stars_apart, with_painted_stars
 from asterism.pattern.rods.graph import RodGraph
 from asterism.shape.shape import Shape
-from asterism.shape.surface_fields import deformation_gradients, directed_edges
+from asterism.shape.surface import deformation_gradients, directed_edges
 
 # lattice steps between stars whose length, thickness or width is changed together: a length moves the mesh
 COLOUR_STEPS = (3, 2, 2)

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.sparse as sp
@@ -11,10 +13,25 @@ from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from asterism.equilibrium.arrays import Bools, Floats, Ints
-from asterism.fitting.errors import TargetError, place_text
+from asterism.equilibrium.errors import Error, one_line
 from asterism.pattern.geometry.normals import triangle_normals
 from asterism.pattern.geometry.planar import clusters
-from asterism.shape.surface_fields import angle_sums, border_edges, directed_edges, laplacian
+from asterism.shape.surface import angle_sums, border_edges, directed_edges, laplacian
+
+if TYPE_CHECKING:
+    from asterism.equilibrium.arrays import Floats
+
+
+class TargetError(Error, ValueError):
+    """A surface cannot be a target; the message is one line that begins with the name of the target."""
+
+    def __init__(self, target: str | Path, problem: str) -> None:
+        super().__init__(one_line(f"{target}: {problem}"))
+
+
+def place_text(place: Floats, decimals: int = 1) -> str:
+    """A place (3,) in mm, for messages."""
+    return "(" + ", ".join(f"{coordinate:.{decimals}f}" for coordinate in place) + ") mm"
 
 
 @dataclass(frozen=True, eq=False)

@@ -13,10 +13,9 @@ import numpy as np
 import shapely
 
 from asterism.equilibrium.arrays import Floats, Ints
-from asterism.fitting.errors import TargetError
+from asterism.fitting.disk import TargetError
 from asterism.fitting.flatten import FlatDisk, Flattener, TargetMap, least_ratio_border
 from asterism.fitting.reach import StarMenu, check_size, choose_stretch, target_reach
-from asterism.fitting.settings import FitSettings
 from asterism.fitting.target import TargetSurface
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.anisotropy import BENDING_POISSON
@@ -27,7 +26,8 @@ from asterism.pattern.geometry.planar import cross_2d, distance_to_outline, insi
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.painted_stars import with_painted_stars
-from asterism.process.listeners import Say, ignore_line
+from asterism.process.progress import Say, ignore_line
+from asterism.process.settings import FitSettings
 from asterism.results.records.fit import ReachRecord
 
 # arms whose contractions frame the middle of what a target needs

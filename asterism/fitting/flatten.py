@@ -35,7 +35,7 @@ from asterism.equilibrium.arrays import Floats
 from asterism.fitting.disk import Disk
 from asterism.pattern.geometry.planar import triangle_areas
 from asterism.pattern.geometry.point_location import TriangleFinder, clipped
-from asterism.shape.surface_fields import directed_edges
+from asterism.shape.surface import directed_edges
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,12 +9,20 @@ from functools import cached_property
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
-from asterism.fitting.errors import ReachError, place_text
+from asterism.equilibrium.errors import Error
+from asterism.fitting.disk import place_text
 from asterism.fitting.flatten import TargetMap
 from asterism.homogenize.law.star_law import MAX_SEPARATED_CURL, StarLaw
 from asterism.pattern.geometry.planar import polygon_area
 from asterism.pattern.layout.star_cells import MAX_STARS_OF_DESIGN
 from asterism.results.records.fit import ReachRecord
+
+
+class ReachError(Error):
+    """A target is out of reach of the stars; the message is one line with place, needed and available value."""
+
+    exit_status = 1
+
 
 # mm, shortest arms of a fitted design: shorter ones hardly differ from bare fabric
 MIN_FITTED_ARM_MM = 2.0

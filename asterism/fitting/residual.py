@@ -22,7 +22,7 @@ from asterism.pattern.geometry.planar import distance_to_outline, inside
 from asterism.pattern.geometry.rigid_fit import rigid_fit
 from asterism.previews.places import Places
 from asterism.results.records.fit import TargetDistanceRecord
-from asterism.shape.cell_mean import CellMean
+from asterism.shape.measures import CellMean
 from asterism.shape.shape import Shape
 
 # places of the print this far off the triangles of the exact model are taken to them

@@ -37,7 +37,7 @@ from asterism.pattern.layout.painted_stars import with_painted_stars
 from asterism.previews.session import Preview
 from asterism.previews.solve import EDIT_START
 from asterism.previews.star_sensitivity import star_sensitivity
-from asterism.process.listeners import Say, ignore_line
+from asterism.process.progress import Say, ignore_line
 from asterism.shape.shape import Shape
 
 # an unknown of 1 is a change of a length by 1 mm, or of the logarithm of a thickness by this number

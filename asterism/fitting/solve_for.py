@@ -13,8 +13,8 @@ from numpy.typing import ArrayLike
 from scipy.optimize import brentq, least_squares
 
 from asterism.equilibrium.arrays import Floats, Ints
-from asterism.fitting.errors import ReachError, place_text
-from asterism.fitting.reach import MIN_FITTED_ARM_MM
+from asterism.fitting.disk import place_text
+from asterism.fitting.reach import MIN_FITTED_ARM_MM, ReachError
 from asterism.homogenize.law.axes import AXES
 from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.star_law import StarLaw
@@ -28,7 +28,7 @@ from asterism.pattern.layout.painted_stars import SIZE_KEYS, SizeName, with_pain
 from asterism.previews.law_choice import serving_law
 from asterism.previews.session import Preview, preview
 from asterism.previews.star_sensitivity import size_steps
-from asterism.process.listeners import Say, ignore_line
+from asterism.process.progress import Say, ignore_line
 from asterism.shape.shape import Shape
 
 Wanted = Literal["height_mm", "roll_radius_mm"]

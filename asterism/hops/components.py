@@ -79,7 +79,7 @@ class Work:
     def exact(self, design: Design) -> Shape:
         """The exact shape of a design."""
         from asterism.exact.cost import exact_cost
-        from asterism.verification.both_starts import simulate
+        from asterism.verification.simulate import simulate
 
         cost = exact_cost(design)
         if cost.seconds > self.patience_s:
@@ -197,9 +197,9 @@ def _exact(work: Work, values: Values) -> Answer:
 
 
 def _fit(work: Work, values: Values) -> Answer:
-    from asterism.fitting.run import fit
-    from asterism.fitting.settings import FitSettings
+    from asterism.fitting.fit import fit
     from asterism.fitting.target import TargetSurface
+    from asterism.process.settings import FitSettings
 
     target = TargetSurface.of_triangles(*values["target"][0])
     stretch = values["stretch"][0] if values["stretch"] else None

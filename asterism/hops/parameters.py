@@ -17,7 +17,7 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.equilibrium.errors import Error
-from asterism.fitting.rhino_file import mesh_triangles
+from asterism.fitting.target_files import mesh_triangles
 from asterism.pattern.drawing.records import DrawingError
 from asterism.pattern.drawing.rhino import RHINO_NEEDED, RHINO_UNITS_MM, curve_points
 

@@ -17,7 +17,7 @@ from asterism.homogenize.law.law_file import law_bytes
 from asterism.homogenize.law.motif_law import MotifLaw
 from asterism.homogenize.law.plan import LawPlan, SampleRecord, without_law
 from asterism.homogenize.law.star_law import StarLaw
-from asterism.process.progress_line import CountLine
+from asterism.process.progress import CountLine
 from asterism.process.version import __version__
 from asterism.results.files import OutputError, check_writable, write_file
 
@@ -35,7 +35,7 @@ def calibrate(
 
     Parameters
     ----------
-    plan : of a material or of a design, see `asterism.laws.design_law`.
+    plan : of a material or of a design, see `asterism.laws.from_files`.
     jobs : processes of this machine.
     dask : address of a scheduler to use in their place.
     command : that the law's file names as its origin.

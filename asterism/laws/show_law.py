@@ -30,9 +30,9 @@ from asterism.homogenize.law.plan import Size, stretch_text
 from asterism.homogenize.law.star_law import MAX_SEPARATED_CURL, QUANTITY_NAMES, StarLaw, StarTable
 from asterism.homogenize.law.tensor_forms import TO_VOIGT, SheetTensors, plane_matrix
 from asterism.previews.model import PREVIEW_MODEL
-from asterism.process.progress_line import without_numbers
+from asterism.process.progress import without_numbers
 from asterism.results.files import check_writable, staged_result
-from asterism.results.records.law import LawRecord
+from asterism.results.records.material import LawRecord
 from asterism.results.words import table_lines
 
 

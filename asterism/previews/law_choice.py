@@ -18,7 +18,7 @@ from asterism.pattern.design.design import Design, leading_field
 from asterism.pattern.design.files import file_identity
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
-from asterism.process.listeners import Say, ignore_line
+from asterism.process.progress import Say, ignore_line
 
 if TYPE_CHECKING:
     from asterism.homogenize.campaign.campaign import SolveCell

@@ -29,8 +29,8 @@ from asterism.previews.print_sheet import PrintSheet
 from asterism.previews.sheet import keep_print, preview_layout, sheet_for
 from asterism.previews.shown_shape import shown_shape, summary
 from asterism.previews.solve import PreviewState, other_forms
-from asterism.process.listeners import Say, ignore_line
-from asterism.results.records.preview import OtherFormRecord
+from asterism.process.progress import Say, ignore_line
+from asterism.results.records.shape import OtherFormRecord
 from asterism.shape.shape import Shape
 
 

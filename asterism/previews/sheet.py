@@ -60,7 +60,7 @@ from asterism.previews.model import PreviewModel
 from asterism.previews.places import Places, SheetLens
 from asterism.previews.print_sheet import PrintSheet
 from asterism.results.words import PlacedWarning, star_numbers
-from asterism.shape.design_warnings import site_warnings, sizing_warnings
+from asterism.shape.measures import site_warnings, sizing_warnings
 
 
 class StarLens(SheetLens):

@@ -45,13 +45,11 @@ from asterism.pattern.layout.roll_axis import roll_axis_from_normals
 from asterism.pattern.mesh.mesh import Mesh
 from asterism.previews.search_minima import MIN_SIZE_RATIO
 from asterism.previews.solve import EDIT_START, PreviewState, other_forms
-from asterism.results.records.preview import LawOriginRecord, PreviewRecord, TrialRecord
+from asterism.results.records.shape import LawOriginRecord, PreviewRecord, TrialRecord
 from asterism.results.words import PlacedWarning, passing, star_numbers
-from asterism.shape.design_warnings import pin_warnings
-from asterism.shape.measures import sample_vertices, shape_numbers
-from asterism.shape.self_intersections import meets_itself, self_intersections
+from asterism.shape.measures import pin_warnings, sample_vertices, shape_numbers
 from asterism.shape.shape import Shape
-from asterism.shape.surface_fields import cell_fields, deformation_gradients
+from asterism.shape.surface import cell_fields, deformation_gradients, meets_itself, self_intersections
 
 
 def shown_shape(state: PreviewState) -> Shape:

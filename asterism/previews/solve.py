@@ -34,7 +34,7 @@ from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.symmetries import Symmetry, distances_of_images
 from asterism.previews.print_sheet import PrintSheet
 from asterism.previews.search_minima import apply_supports, find_equilibrium
-from asterism.results.records.preview import OtherFormRecord
+from asterism.results.records.shape import OtherFormRecord
 
 # names of the start of an equilibrium: that an edit led to, and that was chosen from other forms, or restored
 EDIT_START, FORM_START = "edit", "form"

@@ -31,8 +31,8 @@ from asterism.print.formats.registry import (
 from asterism.print.job import Job, prepare, with_shape
 from asterism.print.printer import PlasticProfile, adjusted_printer, load_plastic, load_printer
 from asterism.print.rounded import better_layers, tiny_pieces
-from asterism.print.settings import ExportSettings
-from asterism.process.listeners import Say
+from asterism.process.progress import Say
+from asterism.process.settings import ExportSettings
 from asterism.results.files import EXPORT_COMPANIONS, EXPORT_SUMMARY_FILE, holds_result, staged
 from asterism.results.records.export import (
     CheckSquareRecord,
@@ -178,7 +178,7 @@ def printed_shape(
     def shape_of(design: Design) -> Shape:
         if simulate:
             # the imports of the exact model take seconds
-            from asterism.verification.both_starts import simulate as solve
+            from asterism.verification.simulate import simulate as solve
 
             return solve(design, report=report, say=say, law=law)
         from asterism.previews.session import preview as fast

@@ -20,7 +20,6 @@ from asterism.print.bed_placement import BedPlacement, place_on_bed, room_mm
 from asterism.print.needles import Needle, needles, needles_in_plastic
 from asterism.print.printer import PlasticProfile, Printer
 from asterism.print.rounded import choose_rounding, rounded_layout, size_changes, with_rounding
-from asterism.print.settings import ExportSettings
 from asterism.print.solid import (
     Piece,
     Solid,
@@ -31,6 +30,7 @@ from asterism.print.solid import (
     plastic_terraces,
     terraced_solid,
 )
+from asterism.process.settings import ExportSettings
 from asterism.results.records.export import PrintCostRecord, SizeChangeRecord
 from asterism.shape.shape import Shape
 

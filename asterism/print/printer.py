@@ -13,7 +13,7 @@ from asterism.pattern.design.errors import DesignError, from_validation
 from asterism.pattern.design.files import own_folders, read_table
 from asterism.pattern.design.rounding import Rounding
 from asterism.pattern.design.section import Line, MassDensity, Number, Point, Section, Text
-from asterism.print.settings import ExportSettings
+from asterism.process.settings import ExportSettings
 
 
 def _sides(size: Point) -> Point:

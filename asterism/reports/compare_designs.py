@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from asterism.draw.picture import fitting_scale, small_png, view_image
-from asterism.draw.render import View
+from asterism.draw.scene import View
 from asterism.equilibrium.errors import Error
 from asterism.homogenize.law.law import Law
 from asterism.pattern.design.design import Design
@@ -20,7 +20,7 @@ from asterism.pattern.layout.symmetries import symmetries
 from asterism.previews.session import preview
 from asterism.print.job import Job, prepare
 from asterism.print.printer import PlasticProfile, Printer, load_plastic, load_printer
-from asterism.process.listeners import Say, ignore_line
+from asterism.process.progress import Say, ignore_line
 from asterism.reports.html import design_rows, figures, html_page, html_table, warnings_box
 from asterism.results.files import check_file, write_file
 from asterism.results.words import box_in_words
@@ -167,7 +167,7 @@ def compare_designs(
 def _shape_of(design: Design, exact: bool, law: Law[Any] | None, say: Say) -> tuple[Shape | None, str]:
     """The shape, or None and the reason."""
     if exact:
-        from asterism.verification.both_starts import simulate  # its imports take seconds
+        from asterism.verification.simulate import simulate  # its imports take seconds
 
         try:
             return simulate(design, say=say, law=law), ""

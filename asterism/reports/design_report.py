@@ -30,7 +30,7 @@ from asterism.print.formats.pdf import write_pdf
 from asterism.print.job import Job, prepare
 from asterism.print.printer import PlasticProfile, Printer, load_plastic, load_printer
 from asterism.print.sheets import areas
-from asterism.process.listeners import Say, ignore_line
+from asterism.process.progress import Say, ignore_line
 from asterism.results.files import check_file, staged
 from asterism.results.record import Record
 from asterism.results.words import VISIBLE_SAG_MM, shape_in_words

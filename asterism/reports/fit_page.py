@@ -15,8 +15,8 @@ from matplotlib.figure import Figure
 from matplotlib.tri import Triangulation
 from scipy.spatial import cKDTree
 
-from asterism.draw.render import bare, scene
-from asterism.draw.shading import FABRIC_SIDE
+from asterism.draw.render import FABRIC_SIDE
+from asterism.draw.scene import bare, scene
 from asterism.draw.style import INK, PALE, add_grid, style_axes
 from asterism.equilibrium.arrays import Bools, Floats
 from asterism.fitting.fit import Fit

@@ -20,13 +20,13 @@ from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.tri import Triangulation
 
 from asterism.draw.fonts import write_title
-from asterism.draw.render import Camera, Scene, bare, render, scene, sheet_camera
-from asterism.draw.shading import FABRIC_SIDE
+from asterism.draw.render import FABRIC_SIDE, render
+from asterism.draw.scene import Camera, Scene, bare, scene, sheet_camera
 from asterism.draw.style import INK, PALE, add_grid, style_axes
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.sheet_edges import SheetEdges
-from asterism.results.records.spread import VALUES, SpreadRecord
+from asterism.results.records.exact import VALUES, SpreadRecord
 from asterism.shape.comparison import Comparison
 from asterism.shape.shape import Shape
 

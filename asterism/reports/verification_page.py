@@ -6,14 +6,14 @@ from html import escape
 from pathlib import Path
 
 from asterism.pattern.design.errors import check_type
-from asterism.print.formats.obj import write_shape_obj
+from asterism.print.formats.meshes import write_shape_obj
 from asterism.reports.html import design_rows, figures, html_page, html_table, png, tiles, warnings_box
 from asterism.reports.plots import comparison_views, distance_map, profiles
 from asterism.results.files import SUMMARY_FILE, staged_result
 from asterism.results.records.verification import VerificationRecord
 from asterism.results.words import direction, height_error, times
 from asterism.shape.vtu import write_shape_vtu
-from asterism.verification.verification import FLAT_HEIGHT_FACTOR, PREVIEW, RELEASE, Verification
+from asterism.verification.verify import FLAT_HEIGHT_FACTOR, PREVIEW, RELEASE, Verification
 
 START_NAMES = {RELEASE: "released from the flat print", PREVIEW: "started from the preview"}
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from asterism.draw.picture import draw_shape
 from asterism.pattern.design.errors import check_type
-from asterism.print.formats.obj import write_shape_obj
+from asterism.print.formats.meshes import write_shape_obj
 from asterism.results.files import SUMMARY_FILE, staged_result
 from asterism.results.records.exact import ExactRecord
 from asterism.shape.shape import Shape

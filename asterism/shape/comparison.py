@@ -25,10 +25,9 @@ from asterism.pattern.layout.roll_axis import roll_axis_from_normals
 from asterism.pattern.layout.supports import SupportSamples
 from asterism.pattern.layout.symmetries import Symmetry
 from asterism.results.records.verification import DifferenceRecord
-from asterism.shape.cell_mean import CellMean
-from asterism.shape.measures import sample_vertices, tube_radius
+from asterism.shape.measures import CellMean, sample_vertices, tube_radius
 from asterism.shape.shape import Shape
-from asterism.shape.surface_fields import border_of
+from asterism.shape.surface import border_of
 
 
 @dataclass(frozen=True)

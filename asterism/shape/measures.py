@@ -1,22 +1,94 @@
-"""Measures of a shape: contraction, height over its needles, and the best-fit circular cylinder of a roll."""
+"""What the summaries of both models say of a sheet: measures of its shape, means over cells, warnings of its design."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from scipy.sparse import coo_array, csr_array, vstack
 from scipy.spatial import cKDTree
 
 from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.design.design import Design
+from asterism.pattern.design.sizing.profiles import GradientProfile
 from asterism.pattern.geometry.normals import vertex_normals
+from asterism.pattern.layout.free_motions import count_free_tilts
 from asterism.pattern.layout.layout import Layout, off_sheet_mm
 from asterism.process.version import __version__
-from asterism.shape.cell_mean import CellMean
 from asterism.shape.shape import Shape
 
-if TYPE_CHECKING:  # slow to import
+if TYPE_CHECKING:
     from asterism.discrete.release.equilibrium import Equilibrium
     from asterism.fem.search.relax import ShellEquilibrium
+
+
+# a point this near to the border of a cell, relative to the spacing, counts as on the border
+CELL_BORDER_TOLERANCE = 1e-6
+# points whose neighbourhoods are searched in one piece; limits the memory
+MEANS_PER_PIECE = 2000
+
+
+class CellMean:
+    """Means over the lattice cells around the vertices of a mesh, as a sparse matrix.
+
+    The mean removes bumps that repeat from star to star. The outline cuts the cells near it, for both shapes of a
+    comparison in the same way.
+
+    Parameters
+    ----------
+    points : (V, 2) mm, vertices of the printed mesh.
+    weights : (V,) mm^2, printed area of each vertex; any other unit gives the same means.
+    lattice_vectors : (2, 2) mm, rows.
+    at : (k,) vertices whose means are computed; all by default.
+
+    Examples
+    --------
+    Means along a row of points with a bump at every lattice point; the row's end cuts the last cell:
+
+    >>> row = np.column_stack([np.arange(9.0), np.zeros(9)])
+    >>> mean = CellMean(row, np.ones(9), np.diag([2.0, 2.0]))
+    >>> bumps = row[:, :1] % 2
+    >>> mean(bumps).ravel().round(3).tolist()
+    [0.333, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.5, 0.333]
+    >>> mean.serves(row, np.ones(9)), mean.serves(row[:5], np.ones(5))
+    (True, False)
+    """
+
+    def __init__(self, points: Floats, weights: Floats, lattice_vectors: Floats, at: Ints | None = None) -> None:
+        # opposite steps give one pair of parallel borders
+        steps = np.array([[1, 0], [0, 1], [1, 1], [1, -1]]) @ lattice_vectors
+        lengths = (steps**2).sum(axis=1)
+        # each point of the plane is within half the diagonal of a rectangle of these sides from a lattice point
+        reach = 0.5 * float(np.linalg.norm(lattice_vectors))
+        near = CELL_BORDER_TOLERANCE * reach**2
+        reach *= 1.0 + CELL_BORDER_TOLERANCE
+        tree = cKDTree(points)
+        rows = []
+        middles = points if at is None else points[at]
+        for begin in range(0, len(middles), MEANS_PER_PIECE):
+            some = middles[begin : begin + MEANS_PER_PIECE]
+            pairs = cKDTree(some).sparse_distance_matrix(tree, reach, output_type="ndarray")
+            i, j = pairs["i"], pairs["j"]
+            # how much nearer a point is to the middle of its cell than to that of the cell beyond each pair of borders
+            nearer = lengths - 2.0 * np.abs((points[j] - some[i]) @ steps.T)
+            inside = (nearer >= -near).all(axis=1)
+            i, j, nearer = i[inside], j[inside], nearer[inside]
+            # a point on the border between two cells counts by half in each
+            part = weights[j] / (1.0 + (nearer <= near).sum(axis=1))
+            rows.append(coo_array((part, (i, j)), shape=(len(some), len(points))).tocsr())
+        matrix = csr_array(vstack(rows))
+        matrix.data /= np.repeat(matrix.sum(axis=1), np.diff(matrix.indptr))
+        self._matrix = matrix
+        self._printed = points, weights
+
+    def serves(self, points: Floats, weights: Floats) -> bool:
+        """Whether these are the vertices (V, 2) mm and areas (V,) of the mesh: then the means serve it, too."""
+        return all(map(np.array_equal, self._printed, (points, weights)))
+
+    def __call__(self, values: Floats) -> Floats:
+        """(k, m) means of values (V, m) at the vertices."""
+        return np.asarray(self._matrix @ values)
 
 
 def shape_numbers(
@@ -124,3 +196,60 @@ def needle_clearance(layout: Layout, shape: Shape) -> tuple[float, float] | None
     supported, heights = shape.at(printed, off_sheet_mm(layout, len(shape.printed)))[:, 2], shape.positions[:, 2]
     above, below = heights.max() - supported.max(), supported.min() - heights.min()
     return max(float(above), 0.0), max(float(below), 0.0)
+
+
+def pin_warnings(layout: Layout, weighs: bool) -> Iterator[str]:
+    """Yield one line for each warning; weight determines how a sheet hangs."""
+    yield from held_wide(layout)
+    if layout.pins and not weighs and (axes := count_free_tilts(layout)):
+        about = "a point" if axes > 1 else "a line"
+        yield f"the pins let the sheet turn about {about}: its orientation, and with it its height, is arbitrary"
+
+
+def held_wide(layout: Layout) -> Iterator[str]:
+    """Yield a line if the pins pull the sheet wider than it was printed, often by a scale given in percent."""
+    printed, places, _ = layout.support_samples
+    held = ~np.isnan(places[:, :2]).any(axis=1)
+    if not held.any():
+        return
+    places = np.nan_to_num(places)  # points that slide along z count with height 0
+    in_print, in_space = (np.linalg.norm(points[held] - points[held].mean(axis=0)) for points in (printed, places))
+    # size of the supports in space over their size in print, above which a warning appears
+    if in_space > 1.05 * in_print > 0.0:
+        wide = f"{in_space / in_print:.3g} times as wide as it was printed"
+        yield f"the pins hold the sheet {wide}: its fabric is stretched further than on the printer"
+
+
+# a warning lists at most this many sites
+MAX_NAMED_SITES = 5
+
+
+def site_warnings(layout: Layout) -> Iterator[str]:
+    """Yield a line if entries of `stars.override` are for sites outside of the sheet."""
+    if not (count := len(layout.ignored_sites)):
+        return
+    named = ", ".join(str(site) for site in layout.ignored_sites[:MAX_NAMED_SITES].tolist())
+    more = ", ..." if count > MAX_NAMED_SITES else ""
+    entries = "1 entry of stars.override is" if count == 1 else f"{count} entries of stars.override are"
+    yield f"{entries} for sites outside of the sheet, and ignored: {named}{more}"
+
+
+# part of the way from `from` to `to` below which a profile counts as constant
+MIN_SPANNED_PART = 0.02
+
+
+def sizing_warnings(design: Design, layout: Layout) -> Iterator[str]:
+    """Yield a line for each profile whose stars all have nearly one of its two end values."""
+    if len(layout.centres) < 2:
+        return
+    for name in ("length_mm", "length_fraction", "thickness_mm", "width_mm"):
+        profile = getattr(design.stars, name)
+        if not isinstance(profile, GradientProfile) or profile.start == profile.end:
+            continue
+        part = profile.fraction(layout.centres).clip(0.0, 1.0)
+        if part.max() < MIN_SPANNED_PART or part.min() > 1.0 - MIN_SPANNED_PART:
+            key, value = ("from", profile.start) if part.max() < MIN_SPANNED_PART else ("to", profile.end)
+            yield (
+                f"stars.{name} varies from {profile.start:g} to {profile.end:g}, but all stars have nearly the value "
+                f"of {key}, {value:g}: are the places and distances of the profile in mm?"
+            )

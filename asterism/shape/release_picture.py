@@ -13,7 +13,7 @@ from scipy.sparse.linalg import factorized
 from scipy.spatial.transform import Rotation
 
 from asterism.draw.picture import fitting_scale, view_image
-from asterism.draw.render import View
+from asterism.draw.scene import View
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.geometry.normals import triangle_normals
 from asterism.shape.shape import Shape

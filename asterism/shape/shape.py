@@ -21,13 +21,13 @@ from asterism.pattern.layout.build import layout, sheet_outline
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.sheet_mesh import sheet_mesh
 from asterism.results.records.exact import ExactRecord
-from asterism.results.records.preview import PreviewRecord
-from asterism.shape.surface_fields import surface_triangle_areas, upright_rotation
+from asterism.results.records.shape import PreviewRecord
+from asterism.shape.surface import surface_triangle_areas, upright_rotation
 
 if TYPE_CHECKING:
     from PIL import Image
 
-    from asterism.draw.render import View
+    from asterism.draw.scene import View
 
 AnyShapeRecord = ExactRecord | PreviewRecord
 

@@ -19,7 +19,7 @@ from asterism.pattern.geometry.planar import triangle_areas
 from asterism.results.files import MAX_SUMMARY_BYTES, VERIFICATION_MODEL
 from asterism.results.record import misfit
 from asterism.shape.shape import Shape, shape_record
-from asterism.shape.surface_fields import surface_triangle_areas
+from asterism.shape.surface import surface_triangle_areas
 
 
 def write_shape_vtu(shape: Shape, path: str | Path) -> None:

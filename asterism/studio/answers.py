@@ -13,7 +13,7 @@ from asterism.pattern.design.errors import DesignError, MeshError
 from asterism.pattern.layout.build import sheet_sites
 from asterism.previews.session import Preview, SearchLimitError
 from asterism.results.files import OutputError
-from asterism.results.records.preview import OtherFormRecord
+from asterism.results.records.shape import OtherFormRecord
 from asterism.results.words import VISIBLE_SAG_MM, PlacedWarning
 from asterism.shape.shape import Shape
 from asterism.studio.messages import Form, Notice, ShapeSummary, StudioProblem, mistake_parts, sites_of

@@ -8,7 +8,6 @@ from functools import cached_property
 import numpy as np
 
 from asterism.equilibrium.arrays import Array, Floats, Ints
-from asterism.measure.compare.nearest import NearestOnSurface
 from asterism.measure.compare.registration import register
 from asterism.measure.compare.scan import MAX_SCAN_POINTS, surface_samples
 from asterism.pattern.geometry.normals import sum_at_vertices, triangle_normals
@@ -16,7 +15,7 @@ from asterism.pattern.geometry.planar import triangle_areas
 from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.previews.session import Preview
 from asterism.previews.solve import EDIT_START
-from asterism.shape.surface_fields import upright_rotation
+from asterism.shape.surface import NearestOnSurface, upright_rotation
 from asterism.studio.messages import Frame, Parts, Surface, TargetPose
 from asterism.studio.sheet_frames import SheetMarks, smooth_arrays
 

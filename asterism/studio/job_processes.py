@@ -22,7 +22,7 @@ import numpy as np
 from asterism.equilibrium.arrays import Array
 from asterism.equilibrium.errors import Error
 from asterism.pattern.design.design import Design
-from asterism.print.settings import ExportSettings
+from asterism.process.settings import ExportSettings
 from asterism.results.words import shape_in_words
 from asterism.studio.answers import engine_problem
 from asterism.studio.messages import Fitted, JobProgress, Released, Settle, Settled, Surface, Written
@@ -105,7 +105,7 @@ def run_verify(
     """
     from asterism.reports.verification_page import write_verification
     from asterism.results.files import check_writable
-    from asterism.verification.run import verify
+    from asterism.verification.verify import verify
 
     progress.design = design = Design.from_dict(table, folder)
     check_writable(out)
@@ -136,10 +136,10 @@ def run_fit(
     printer : name of the profile to whose layers and lines sizes are rounded.
     weights : of places of the sheet; by default all count alike.
     """
-    from asterism.fitting.run import fit
-    from asterism.fitting.settings import FitSettings
+    from asterism.fitting.fit import fit
     from asterism.fitting.target import TargetSurface
     from asterism.print.printer import load_printer
+    from asterism.process.settings import FitSettings
 
     surface = TargetSurface.of_triangles(target.vertices, target.triangles, name)
     if weights is not None:
@@ -307,7 +307,7 @@ class ExactForms:
     def _released_from_print(self, job: int) -> tuple[Released, Shape | None]:
         from asterism.discrete.release.forms import SAME_FORM_PERCENT
         from asterism.pattern.layout.symmetries import symmetries
-        from asterism.verification.verification import gap, same_minimum
+        from asterism.verification.verify import gap, same_minimum
 
         exact = self._exact
         try:
@@ -326,7 +326,7 @@ class ExactForms:
 
     def _solved(self, stage: str, job: int, near: Shape | None) -> Shape:
         from asterism.exact.simulation import exact_shape
-        from asterism.verification.run import ExactProgress
+        from asterism.verification.verify import ExactProgress
 
         counted = ExactProgress(stage, ProgressSender(self._connection, job))
 

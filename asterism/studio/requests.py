@@ -10,7 +10,7 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError,
 
 from asterism.equilibrium.errors import Error
 from asterism.homogenize.law.plan import RodSizeKey
-from asterism.print.settings import ExportSettings
+from asterism.process.settings import ExportSettings
 from asterism.studio.painted_field import Brush
 
 WholeNumber = Annotated[int, Field(ge=0, le=2**53)]

@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 import scipy.sparse as sp
 
-from asterism.draw.ribbons import ribbons
+from asterism.draw.scene import ribbons
 from asterism.equilibrium.arrays import Array, Floats, Ints
 from asterism.pattern.design.design import Design
 from asterism.pattern.geometry.normals import sum_at_vertices, vertex_normals
@@ -17,9 +17,9 @@ from asterism.pattern.geometry.rigid_fit import rigid_fit
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout, off_sheet_mm
 from asterism.pattern.mesh.meshing import mesh_layout
-from asterism.shape.cell_mean import CellMean
+from asterism.shape.measures import CellMean
 from asterism.shape.shape import Shape, blank_sheet
-from asterism.shape.surface_fields import border_edges, surface_triangle_areas
+from asterism.shape.surface import border_edges, surface_triangle_areas
 from asterism.studio.messages import Frame
 
 STATIONS = 5  # along each ribbon

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from asterism.equilibrium.arrays import Array, Floats, Ints
-from asterism.fitting.rhino_file import read_rhino
+from asterism.fitting.target_files import read_rhino
 from asterism.measure.compare.scan import MM, read_surface
 from asterism.pattern.drawing.rhino import RHINO_FORMAT
 from asterism.pattern.layout.layout import Layout

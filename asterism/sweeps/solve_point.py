@@ -30,7 +30,8 @@ from asterism import (
     sweeps,
     verification,
 )
-from asterism.draw.render import drawn_size, render, scene, sheet_camera
+from asterism.draw.render import render
+from asterism.draw.scene import drawn_size, scene, sheet_camera
 from asterism.equilibrium.errors import Error
 from asterism.exact.cost import Cost, exact_cost
 from asterism.homogenize.campaign.kept_samples import Outcome, attempt, sources_hash
@@ -160,7 +161,7 @@ def solve_point(table: Mapping[str, Any], is_exact: bool, law: bytes | None, cod
             raise RuntimeError("the worker has another version of asterism")
         design = Design.from_dict(table)
         if is_exact:
-            from asterism.verification.both_starts import simulate  # its imports take seconds
+            from asterism.verification.simulate import simulate  # its imports take seconds
 
             found = simulate(design)
         else:

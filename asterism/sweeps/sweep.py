@@ -29,7 +29,7 @@ from asterism.pattern.design.errors import check_type
 from asterism.process.version import __version__
 from asterism.reports.html import html_page
 from asterism.results.files import SUMMARY_FILE, OutputError, staged_result
-from asterism.results.records.sweep import SweepColumnRecord, SweepParameterRecord, SweepRecord, SweepRowRecord
+from asterism.results.records.fit import SweepColumnRecord, SweepParameterRecord, SweepRecord, SweepRowRecord
 from asterism.sweeps.parameters import (
     SweepError,
     SweepParameter,

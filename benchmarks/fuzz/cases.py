@@ -169,7 +169,7 @@ def _toml(table: dict[str, Any]) -> str:
 
 def _exact_is_small(name: str, folder: Path, edge_mm: str = "") -> bool:
     """Whether the exact model takes a second or two, or refuses the design; with the option --edge if it is given."""
-    from asterism.cli.options import with_overrides
+    from asterism.cli.command import with_overrides
     from asterism.equilibrium.errors import Error
     from asterism.exact.cost import exact_cost
     from asterism.pattern.layout.build import load_design

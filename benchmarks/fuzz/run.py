@@ -59,11 +59,11 @@ def run_cases(
 def _warm_up(kit: Path) -> None:
     """Do once what most cases do: they find modules loaded, loops compiled and fonts chosen."""
     import asterism
-    import asterism.cli.app
-    import asterism.cli.shapes
+    import asterism.cli.main
     import asterism.measure.strips.fit_strips
     import asterism.sweeps.sweep
 
+    asterism.cli.main.application()
     for name in ("star", "pinned"):
         design = asterism.Design.from_dict(DESIGNS[name])
         asterism.verify(design)

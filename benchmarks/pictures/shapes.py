@@ -17,7 +17,8 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from asterism.draw.picture import draw_shape, small_png
-from asterism.draw.render import drawn_size, render, scene, sheet_camera
+from asterism.draw.render import render
+from asterism.draw.scene import drawn_size, scene, sheet_camera
 from asterism.exact.simulation import exact_shape
 from asterism.homogenize.errors import LawError
 from asterism.measure.compare.compare import surface_cut

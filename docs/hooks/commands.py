@@ -24,9 +24,9 @@ def on_page_markdown(markdown: str, page: Page, config: MkDocsConfig, files: Fil
 
 def sections() -> Iterator[str]:
     """Markdown for all commands, in the order of the help."""
-    from asterism.cli.app import app
+    from asterism.cli.main import application
 
-    group: Any = typer.main.get_command(app)
+    group: Any = typer.main.get_command(application())
     for name, command in sorted(group.commands.items()):
         if hasattr(command, "commands"):
             for second, inner in sorted(command.commands.items()):

@@ -9,7 +9,7 @@ from scipy.spatial import Delaunay
 
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.shape.shape import Shape
-from asterism.shape.surface_fields import cell_fields, point_fields
+from asterism.shape.surface import cell_fields, point_fields
 
 
 def grid(width: float, depth: float, edge: float) -> tuple[Floats, Ints]:

@@ -19,10 +19,10 @@ from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from asterism.draw.fonts import write_title
-from asterism.draw.render import bare, drawn_size, render, sheet_camera
+from asterism.draw.render import render
+from asterism.draw.scene import bare, drawn_size, sheet_camera
 from asterism.draw.style import INK, PALE, style_axes
 from asterism.equilibrium.arrays import Floats, Ints
-from asterism.measure.compare.nearest import NearestOnSurface
 from asterism.measure.compare.outline import OUTLINE_FORMATS, OutlineFit, fit_outline, read_outline, silhouette
 from asterism.measure.compare.registration import Pose, distinct_poses, register
 from asterism.measure.compare.scan import Scan, ScanError, check_file, check_size, extents, read_scan
@@ -39,7 +39,7 @@ from asterism.results.records.comparison import (
     ScanDistancesRecord,
 )
 from asterism.shape.shape import Shape
-from asterism.shape.surface_fields import surface_triangle_areas
+from asterism.shape.surface import NearestOnSurface, surface_triangle_areas
 from asterism.shape.vtu import folder_of, read_shape
 
 

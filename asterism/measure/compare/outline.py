@@ -11,7 +11,7 @@ from scipy.optimize import least_squares
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
-from asterism.draw.render import VIEWS, camera
+from asterism.draw.scene import VIEWS, camera
 from asterism.equilibrium.arrays import Floats
 from asterism.measure.compare.registration import SPREAD, Pose, closest_points
 from asterism.measure.compare.scan import MM, ScanError, check_file

@@ -18,7 +18,6 @@ from matplotlib.figure import Figure
 
 from asterism.draw.fonts import write_title
 from asterism.draw.style import PALE, add_grid, style_axes
-from asterism.measure.strips.settings import StripFitSettings, StripFormula
 from asterism.measure.strips.strip_fit import CONFIDENCE, FLAT_HEIGHT_MM, StripFit, fit_directions
 from asterism.measure.strips.strip_table import Reading, read_strips
 from asterism.pattern.design.errors import check_type, one_line
@@ -31,10 +30,11 @@ from asterism.pattern.design.materials import (
     rest_curvature,
 )
 from asterism.pattern.design.spread import MAX_FACTOR, MAX_KAPPA_BAR_ERROR_PER_MM, Spread
+from asterism.process.settings import StripFitSettings, StripFormula
 from asterism.process.version import __version__
 from asterism.results.files import OutputError, staged
 from asterism.results.record import ABSENT
-from asterism.results.records.strips import (
+from asterism.results.records.material import (
     KappaBarRecord,
     LeftOutReadingRecord,
     RatioIntervalRecord,

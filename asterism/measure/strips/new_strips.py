@@ -11,22 +11,20 @@ import numpy as np
 import shapely
 
 from asterism.equilibrium.arrays import Floats, Ints
-from asterism.measure.strips import arc
-from asterism.measure.strips.settings import StripPrintSettings
-from asterism.measure.strips.strip_table import BOX_COLUMNS, DIRECTION_COLUMN, KNOWN_COLUMNS, Direction
+from asterism.measure.strips.strip_table import BOX_COLUMNS, DIRECTION_COLUMN, KNOWN_COLUMNS, Direction, arc_box
 from asterism.pattern.design.errors import DesignError, check_type
 from asterism.pattern.design.materials import Fabric, Plastic, rest_curvature
 from asterism.pattern.design.rounding import Rounding
 from asterism.pattern.design.stars import THICKNESS_RANGE_MM
 from asterism.print.drawing import A4_MM, TEXT, Drawing, DrawingLayer, Label, Polyline, rectangle
+from asterism.print.formats.meshes import write_stl
 from asterism.print.formats.pdf import write_pdf
-from asterism.print.formats.stl import write_stl
 from asterism.print.formats.threemf import write_3mf
 from asterism.print.instructions import homing_advice
 from asterism.print.printer import Printer, adjusted_printer
 from asterism.print.rounded import MAX_LAYER_OVER_LINE
-from asterism.print.settings import ExportSettings
 from asterism.print.solid import Solid, Terrace, terraced_solid
+from asterism.process.settings import ExportSettings, StripPrintSettings
 from asterism.results.files import OutputError, staged
 
 # gap between strips: space for scissors
@@ -132,7 +130,7 @@ def strip_form(new: StripsPrint) -> tuple[Drawing, ...]:
     first, others = new.layers_mm
     plate_mm = printer.frame.plate_mm
     expected = rest_curvature(new.thicknesses_mm, Fabric(stretch=stretch, thickness_mm=fabric_mm), Plastic())
-    heights = arc.box(expected, settings.length_mm)[1]
+    heights = arc_box(expected, settings.length_mm)[1]
     thicknesses = ", ".join(f"{h:g}" for h in new.thicknesses_mm)
     lines = [
         f"1. Stretch the fabric: a square of 10 cm drawn on it must then measure {10 * stretch:g} cm. If it does not,",
@@ -222,7 +220,7 @@ def _boxes(corner: Floats) -> list[Polyline | Label]:
         radius = length / angle
         turn = np.linspace(-angle / 2, angle / 2, 60)
         line = radius * np.column_stack([np.sin(turn), np.cos(turn) - np.cos(angle / 2)])
-        width, height = (float(side) for side in arc.box(1 / radius, length))
+        width, height = (float(side) for side in arc_box(1 / radius, length))
         middle = corner + np.array([30.0 + 60.0 * column, 6.0])
         items.append(Polyline(arc_pen, middle + line))
         items.append(rectangle(box_pen, (width, height), (float(middle[0]), float(middle[1] + height / 2))))

@@ -6,7 +6,7 @@ from typing import Any, ClassVar
 
 from asterism.results.record import ABSENT, Record, key
 from asterism.results.records.exact import ExactRecord, mesh_error_in_words
-from asterism.results.records.preview import ExpectedErrorRecord, PreviewRecord
+from asterism.results.records.shape import ExpectedErrorRecord, PreviewRecord
 from asterism.results.words import distance_error, height_error, times
 
 

@@ -205,8 +205,8 @@ FIT = ["fit", "t.npy", "--extent-mm", "120", "-o"]
 # a command, a folder or a file in the way of its results, and the function that computes them
 CASES = [
     (["preview", "d.toml"], f"d/{SUMMARY_FILE}/", "previews.session.preview"),
-    (["simulate", "d.toml"], "d/minimum-2.png/", "verification.both_starts.simulate"),
-    (["verify", "d.toml"], "d-verified/exact.obj/", "verification.run.verify"),
+    (["simulate", "d.toml"], "d/minimum-2.png/", "verification.simulate.simulate"),
+    (["verify", "d.toml"], "d-verified/exact.obj/", "verification.verify.verify"),
     (["export", "d.toml"], "d-print/layout.pdf/", "print.export.export"),
     (["export", "d.toml", "--simulate"], "d-print/rods.vtu/", "print.export.export"),
     (["report", "d.toml"], "d-report.pdf/", "reports.design_report.prepare"),
@@ -214,8 +214,8 @@ CASES = [
     (["sweep", "d.toml", *VARY], "d-sweep/designs", "sweeps.sweep.sweep_design"),
     (["compare", "d", "scan.obj"], "scan-compared/compare.png/", "measure.compare.compare.compare"),
     (["compare-designs", "d.toml", "d.toml", "-o", "p.html"], "p.html/", "reports.compare_designs.prepare"),
-    ([*FIT, "f.toml"], "f.toml/", "fitting.target.load_target"),
-    ([*FIT, "f.toml"], "f-fit/target.obj/", "fitting.target.load_target"),
+    ([*FIT, "f.toml"], "f.toml/", "fitting.target_files.load_target"),
+    ([*FIT, "f.toml"], "f-fit/target.obj/", "fitting.target_files.load_target"),
     (["law", "show"], "paper-law/law.png/", "laws.show_law.law_figure"),
     (["calibrate", "d.toml"], "d-law.npz/", "laws.calibrate.run_campaign"),
     (["picture", "d", "-o", "p"], "p/d-oblique.png/", "shape.vtu.read_shape"),

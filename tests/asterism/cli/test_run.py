@@ -9,14 +9,14 @@ from pathlib import Path
 
 import pytest
 
-from asterism.cli.run import Progress, Run, command, with_design_file
+from asterism.cli.command import Progress, Run, command, with_design_file
 from asterism.equilibrium.errors import Error
 from asterism.equilibrium.newton.minimise import Iteration
 from asterism.exact.cost import Cost
 from asterism.homogenize.errors import ForeignLaw, LawError
 from asterism.homogenize.law.law_file import PAPER_LAW
 from asterism.pattern.design.errors import DesignError
-from asterism.process import progress_line
+from asterism.process import progress
 from asterism.results.words import doubts
 from tests.asterism.commands import Cli
 
@@ -25,7 +25,7 @@ SIGN = "still computing"
 
 @pytest.fixture(autouse=True)
 def soon(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(progress_line, "MAX_QUIET_S", 0.02)
+    monkeypatch.setattr(progress, "MAX_QUIET_S", 0.02)
 
 
 def until(holds: Callable[[], bool]) -> None:
@@ -74,7 +74,7 @@ def test_nothing_is_printed_while_the_user_is_asked(monkeypatch: pytest.MonkeyPa
         time.sleep(0.1)
         asked.append(run.progress._stream.getvalue()[len(before) :])  # type: ignore[attr-defined]
 
-    monkeypatch.setattr("asterism.cli.run._ask", answer)
+    monkeypatch.setattr("asterism.cli.command._ask", answer)
     with run.progress:
         run.cost(Cost(400_000, 8000.0, 1200.0))
     assert asked == [""]

@@ -24,8 +24,8 @@ from asterism.draw.picture import (
     usual_font,
     view_image,
 )
-from asterism.draw.render import View, camera, render, scene
-from asterism.draw.shading import FABRIC_SIDE, OUTLINE_COLOUR, PLASTIC_SIDE
+from asterism.draw.render import FABRIC_SIDE, OUTLINE_COLOUR, PLASTIC_SIDE, render
+from asterism.draw.scene import View, camera, scene
 from asterism.reports.write_results import write_results
 from asterism.shape.release_picture import FRAMES, released
 from asterism.shape.shape import Shape

@@ -12,8 +12,8 @@ from PIL import Image
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
-from asterism.draw.render import BALL_RADIUS_FACTOR, TUBE_RADIUS_FACTOR, pin_marks
-from asterism.draw.shading import PINS
+from asterism.draw.render import PINS
+from asterism.draw.scene import BALL_RADIUS_FACTOR, TUBE_RADIUS_FACTOR, pin_marks
 from asterism.pattern.design.design import Design
 from asterism.pattern.geometry.diameter import diameter
 from asterism.shape.shape import Shape

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from asterism.draw.ribbons import ribbons
+from asterism.draw.scene import ribbons
 from asterism.exact.simulation import exact_shape
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design

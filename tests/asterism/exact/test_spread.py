@@ -26,7 +26,7 @@ from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.materials import rest_curvature
 from asterism.pattern.design.spread import Spread
 from asterism.pattern.layout.build import layout
-from asterism.results.records.spread import VALUES, SpreadRecord
+from asterism.results.records.exact import VALUES, SpreadRecord
 from tests.asterism.commands import Cli
 from tests.asterism.previews.designs import edited
 

@@ -18,7 +18,7 @@ from PIL import Image
 
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.errors import Error
-from asterism.fitting.target import load_target
+from asterism.fitting.target_files import load_target
 from tests.asterism.commands import Cli
 from tests.asterism.fitting.surfaces import (
     Mesh,

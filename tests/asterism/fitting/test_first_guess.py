@@ -5,15 +5,15 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from asterism.fitting.errors import ReachError, TargetError
+from asterism.fitting.disk import TargetError
 from asterism.fitting.first_guess import FirstGuess, flatten_target, guess_design
 from asterism.fitting.flatten import TargetMap
-from asterism.fitting.reach import StarMenu
-from asterism.fitting.settings import FitSettings
+from asterism.fitting.reach import ReachError, StarMenu
 from asterism.fitting.target import TargetSurface
 from asterism.homogenize.errors import ForeignLaw, LawError
 from asterism.pattern.layout.build import layout
 from asterism.previews.law_choice import paper_law
+from asterism.process.settings import FitSettings
 from benchmarks.fit_targets import rectangle_mesh
 from tests.asterism.fitting.surfaces import cylinder_part, spherical_cap
 

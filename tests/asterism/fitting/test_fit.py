@@ -14,15 +14,14 @@ import pytest
 import trimesh
 
 from asterism.fitting.first_guess import guess_design
-from asterism.fitting.fit import Fit
+from asterism.fitting.fit import Fit, fit
 from asterism.fitting.residual import FitPlaces, Residual
-from asterism.fitting.run import fit
-from asterism.fitting.settings import FitSettings, SettingError
 from asterism.fitting.target import TargetSurface
 from asterism.pattern.layout.build import layout, load_design
 from asterism.previews.law_choice import paper_law
 from asterism.previews.session import Preview
 from asterism.print.printer import load_printer
+from asterism.process.settings import FitSettings, SettingError
 from tests.asterism.commands import Cli
 from tests.asterism.fitting.surfaces import spherical_cap
 

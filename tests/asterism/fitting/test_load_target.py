@@ -13,9 +13,9 @@ import trimesh
 from PIL import Image
 
 from asterism.equilibrium.arrays import Floats
-from asterism.fitting.disk import disk_of, height_mesh
-from asterism.fitting.errors import TargetError
-from asterism.fitting.target import TargetSurface, load_target
+from asterism.fitting.disk import TargetError, disk_of, height_mesh
+from asterism.fitting.target import TargetSurface
+from asterism.fitting.target_files import load_target
 from tests.asterism.fitting.surfaces import dome
 
 WIDTH, RISE = 90.0, 12.0

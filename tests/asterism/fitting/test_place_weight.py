@@ -10,12 +10,11 @@ import pytest
 from PIL import Image
 
 from asterism.equilibrium.arrays import Floats
-from asterism.fitting.errors import TargetError
+from asterism.fitting.disk import TargetError
 from asterism.fitting.first_guess import FirstGuess, guess_design
+from asterism.fitting.fit import fit
 from asterism.fitting.residual import FitDistance, FitPlaces, Residual, SheetState
-from asterism.fitting.run import fit
 from asterism.fitting.search import moves_at
-from asterism.fitting.settings import FitSettings
 from asterism.fitting.target import TargetSurface
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
@@ -23,6 +22,7 @@ from asterism.pattern.layout.build import layout
 from asterism.previews.law_choice import paper_law
 from asterism.previews.session import Preview
 from asterism.previews.star_sensitivity import star_sensitivity
+from asterism.process.settings import FitSettings
 from tests.asterism.sheets import sheet
 
 RIGHT = "1 + 7*(x > 5)"

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import asterism
-from asterism.fitting.errors import ReachError
+from asterism.fitting.reach import ReachError
 from asterism.fitting.solve_for import POINT_TOLERANCE_MM, sensitivity, solve_for, solve_for_point
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout

@@ -15,8 +15,9 @@ from hypothesis.extra.numpy import arrays
 
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.errors import Error
-from asterism.fitting.errors import TargetError
-from asterism.fitting.target import MAX_TARGET_TRIANGLES, TargetSurface, load_target
+from asterism.fitting.disk import TargetError
+from asterism.fitting.target import MAX_TARGET_TRIANGLES, TargetSurface
+from asterism.fitting.target_files import load_target
 from tests.asterism.fitting.surfaces import Mesh, bow_tie, spherical_cap
 
 BROKEN: list[tuple[Callable[[], Mesh], str]] = [

@@ -25,7 +25,7 @@ from asterism.homogenize.law.star_law import StarLaw
 from asterism.laws.show_law import directions_warning
 from asterism.pattern.design.design import Design
 from asterism.previews.session import Preview
-from asterism.process.progress_line import CountLine
+from asterism.process.progress import CountLine
 from tests.asterism.commands import Cli
 from tests.asterism.previews.laws import plain_law
 from tests.homogenize import same_process

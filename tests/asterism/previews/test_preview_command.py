@@ -9,7 +9,7 @@ import pytest
 
 import asterism
 from asterism.homogenize.law.law_file import law_bytes
-from asterism.results.records.preview import PreviewRecord
+from asterism.results.records.shape import PreviewRecord
 from tests.asterism.commands import Cli
 from tests.asterism.previews.laws import plain_law
 

@@ -8,7 +8,7 @@ from typing import Any
 from asterism.pattern.design.design import Design
 from asterism.print.job import Job, prepare
 from asterism.print.printer import load_plastic, load_printer
-from asterism.print.settings import ExportSettings
+from asterism.process.settings import ExportSettings
 from asterism.shape.shape import Shape
 from tests.asterism.commands import Outcome
 

@@ -16,10 +16,9 @@ import trimesh
 
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-from asterism.print.formats.obj import write_shape_obj
+from asterism.print.formats.meshes import write_shape_obj, write_stl
 from asterism.print.formats.registry import write_all
 from asterism.print.formats.scripts import write_icesl, write_openscad
-from asterism.print.formats.stl import write_stl
 from asterism.print.formats.threemf import write_3mf
 from asterism.print.job import Job
 from asterism.print.solid import Piece

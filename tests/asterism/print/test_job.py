@@ -24,8 +24,8 @@ from asterism.print.job import Job, print_cost
 from asterism.print.needles import needles
 from asterism.print.printer import adjusted_printer, load_printer
 from asterism.print.rounded import better_layers, choose_rounding, size_changes
-from asterism.print.settings import ExportSettings
 from asterism.print.solid import height_steps
+from asterism.process.settings import ExportSettings
 from tests.asterism.print.jobs import Run, design, job, mistake
 from tests.asterism.sheets import sheet
 

@@ -12,9 +12,8 @@ import shapely
 
 from asterism.print import sheets
 from asterism.print.drawing import Drawing, Label, Polyline
-from asterism.print.formats.dxf import write_dxf
+from asterism.print.formats.drawings import write_dxf, write_svg
 from asterism.print.formats.pdf import write_pdf
-from asterism.print.formats.svg import write_svg
 from asterism.print.job import Job
 from tests.asterism.print import measure
 from tests.asterism.print.jobs import design, job

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.rounding import Rounding
 from asterism.pattern.layout.build import layout
-from asterism.print.formats.stl import write_stl
+from asterism.print.formats.meshes import write_stl
 from asterism.print.solid import (
     GRID_MM,
     Solid,

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 import pytest
 import typer
 
-from asterism.cli.run import Run, command
+from asterism.cli.command import Run, command
 from asterism.pattern.design.errors import DesignError
 from asterism.process.settings import check_settings
 

@@ -11,7 +11,7 @@ import pypdfium2
 import pytest
 from PIL import Image
 
-from asterism.draw.shading import FABRIC_SIDE, PINS, PLASTIC_SIDE
+from asterism.draw.render import FABRIC_SIDE, PINS, PLASTIC_SIDE
 from asterism.exact.simulation import exact_shape
 from asterism.homogenize.law.law_file import PAPER_LAW, load_law
 from asterism.pattern.design.design import Design

@@ -19,9 +19,7 @@ from asterism.previews.session import preview
 from asterism.process.version import __version__
 from asterism.reports.verification_page import verification_page, write_verification
 from asterism.shape.vtu import read_shape, write_shape_vtu
-from asterism.verification import run
-from asterism.verification.run import verify
-from asterism.verification.verification import Verification
+from asterism.verification.verify import Verification, verify
 from tests.asterism.previews.laws import plain_law
 from tests.asterism.verification.printed import design
 
@@ -130,7 +128,7 @@ def test_a_start_without_a_minimum_is_no_other_form(found):
     stopped = replace(result, summary=result.summary | {"is_minimum": False})
     moved = replace(result, positions=result.positions * [1.0, 1.0, 1.05])
     bold = replace(result, summary=found.preview.summary)
-    one = run.verify(OF, ready=bold, released=moved, near=stopped)
+    one = verify(OF, ready=bold, released=moved, near=stopped)
     assert one.result == "release" and one.summary["starts"]["preview"]["rms_percent"] < one.summary["rms_percent"]
     assert one.summary["same_branch"] and not one.summary["starts_agree"]
     lines = "\n".join((one.summary | {"expected_height_percent": None}).table().values())
@@ -142,7 +140,7 @@ def test_the_distance_to_each_of_two_minima_is_stated(found):
     result = found.exact[found.result]
     higher = result.summary | {"energy_n_mm": 1.02 * result.summary["energy_n_mm"]}
     second = replace(result, positions=result.positions * [1.0, 1.0, 1.5], summary=higher)
-    two = run.verify(OF, ready=found.preview, released=result, near=second).summary
+    two = verify(OF, ready=found.preview, released=result, near=second).summary
     first, other = (two["starts"][name]["rms_percent"] for name in ("release", "preview"))
     assert first == two["rms_percent"] < other
     row = two.table()["exact model"]
@@ -158,7 +156,7 @@ def test_nothing_is_said_against_a_preview_where_the_exact_model_has_failed(foun
     numbers = failed.summary | {"is_minimum": False, "warnings": [unstable]}
     failed = replace(failed, positions=3.0 * failed.positions, summary=numbers)
     bold = replace(found.preview, summary=found.preview.summary | {"expected_rms_percent": 0.1})
-    lost = run.verify(OF, ready=bold, released=failed, near=failed)
+    lost = verify(OF, ready=bold, released=failed, near=failed)
     assert lost.summary["same_branch"] is None
     assert lost.summary["warnings"] == [*bold.summary["warnings"], f"the exact model: {unstable}"]
     lines = "\n".join((lost.summary | {"expected_height_percent": None}).table().values())

@@ -14,7 +14,7 @@ import pytest
 from asterism.results import records
 from asterism.results.record import ABSENT, Record, is_record, key, keys_of, misfit, value_types
 from asterism.results.records.exact import ExactRecord
-from asterism.results.records.preview import PreviewRecord
+from asterism.results.records.shape import PreviewRecord
 from asterism.shape.shape import shape_record
 
 MODULES = [import_module(f"{records.__name__}.{each.name}") for each in iter_modules(records.__path__)]

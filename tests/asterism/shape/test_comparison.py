@@ -15,10 +15,10 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.geometry.diameter import diameter
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
-from asterism.shape.cell_mean import CellMean
 from asterism.shape.comparison import Comparison, compare_shapes, image
-from asterism.shape.surface_fields import surface_triangle_areas
-from asterism.verification.verification import alike
+from asterism.shape.measures import CellMean
+from asterism.shape.surface import surface_triangle_areas
+from asterism.verification.verify import alike
 from tests.asterism.verification.printed import design, lumpy, rolled, shape
 
 UNIFORM = design()

@@ -8,7 +8,7 @@ import pytest
 
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-from asterism.shape.design_warnings import held_wide, pin_warnings, sizing_warnings
+from asterism.shape.measures import held_wide, pin_warnings, sizing_warnings
 
 CORNERS = [[-30.0, 0.0], [30.0, 0.0]]
 

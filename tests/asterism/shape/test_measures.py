@@ -17,7 +17,7 @@ from asterism.pattern.layout.symmetries import symmetries
 from asterism.results.words import direction, roll
 from asterism.shape.comparison import compare_shapes
 from asterism.shape.measures import needle_clearance, tube_radius
-from asterism.shape.self_intersections import meets_itself, self_intersections
+from asterism.shape.surface import meets_itself, self_intersections
 from tests.asterism import sheets
 
 

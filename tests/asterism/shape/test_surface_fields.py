@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from asterism.pattern.geometry.normals import vertex_normals
-from asterism.shape import surface_fields as fields
+from asterism.shape import surface as fields
 from tests.asterism import sheets
 
 

@@ -11,7 +11,7 @@ import pytest
 import asterism
 from asterism.studio.job_processes import run_fit, run_verify
 from asterism.studio.messages import JobProgress, Settled, StudioProblem, Surface
-from asterism.verification.run import STAGES
+from asterism.verification.verify import STAGES
 from tests.asterism.fitting.surfaces import spherical_cap
 
 QUICK = {"border": {"rings": 1}, "mesh": {"edge_mm": 5.0}}

@@ -12,7 +12,7 @@ import pytest
 from PIL import Image
 
 from asterism.pattern import gallery
-from asterism.results.records.sweep import SweepRowRecord
+from asterism.results.records.fit import SweepRowRecord
 from asterism.sweeps.parameters import SweepParameter
 from asterism.sweeps.solve_point import quantities
 from asterism.sweeps.sweep import SWEEP_PAGE, Sweep, write_sweep

@@ -15,16 +15,19 @@ from asterism.pattern.geometry.planar import inside
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
 from asterism.reports.plots import profile_cut
-from asterism.verification.run import STAGES, WHOLE, ExactProgress, verify
-from asterism.verification.verification import (
+from asterism.verification.verify import (
     MAX_FORM_DISTANCE_PERCENT,
     MAX_LIKE_AXIS_DEG,
     MAX_LIKE_DISTANCE_PERCENT,
     MAX_LIKE_NORMALS_DEG,
+    STAGES,
+    WHOLE,
+    ExactProgress,
     _same_stars_down,
     alike,
     right_shape,
     same_branch,
+    verify,
 )
 
 
@@ -137,7 +140,7 @@ def test_a_ready_preview_is_not_made_again(edge_mm: float, monkeypatch: pytest.M
     data = asterism.new("dome").to_dict() | {"border": {"rings": 1}, "mesh": {"edge_mm": edge_mm}}
     design = Design.from_dict(data)
     ready = asterism.preview(design)
-    monkeypatch.setattr("asterism.verification.run.preview", lambda *_, **__: pytest.fail("made again"))
+    monkeypatch.setattr("asterism.verification.verify.preview", lambda *_, **__: pytest.fail("made again"))
     told: list[tuple[str, int, int]] = []
     found = verify(design, ready=ready, progress=lambda *step: told.append(step))
     assert found.preview is ready and found.summary["preview_s"] == ready.summary["wall_s"]

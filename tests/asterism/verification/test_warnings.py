@@ -15,7 +15,7 @@ from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
 from asterism.results.records.exact import ExactRecord
 from asterism.shape.comparison import compare_shapes
-from asterism.verification.verification import Verification, verification_warnings
+from asterism.verification.verify import Verification, verification_warnings
 from tests.asterism.verification.printed import design, shape
 
 OF = design()

@@ -20,7 +20,7 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.meshing import mesh_layout
-from asterism.shape.self_intersections import self_intersections
+from asterism.shape.surface import self_intersections
 
 ipctk = pytest.importorskip("ipctk")
 

@@ -11,7 +11,6 @@ from scipy.spatial import Delaunay
 
 from asterism.equilibrium.arrays import Floats
 from asterism.measure.compare.compare import compare_scan, fitted_size
-from asterism.measure.compare.nearest import NearestOnSurface
 from asterism.measure.compare.registration import register
 from asterism.measure.compare.scan import Scan
 from asterism.pattern import gallery
@@ -19,6 +18,7 @@ from asterism.pattern.geometry.diameter import diameter
 from asterism.pattern.geometry.normals import vertex_normals
 from asterism.previews.session import preview
 from asterism.shape.shape import Shape
+from asterism.shape.surface import NearestOnSurface
 from tests.asterism.measure.compare.scans import bent_sheet, motion, scanned
 from tests.asterism.sheets import dome, saddle, sheet
 

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from asterism.measure.strips import arc
-from asterism.measure.strips.settings import THICKNESSES_MM
-from asterism.measure.strips.strip_table import Reading
+from asterism.measure.strips.strip_table import Reading, arc_box, arc_curvature
 from asterism.pattern.design.materials import Fabric, Plastic, rest_curvature
+from asterism.process.settings import THICKNESSES_MM
 
 
 def synthetic_readings(
@@ -52,12 +51,12 @@ def synthetic_readings(
     lie = np.column_stack([along, ~along]).astype(float)
     curvatures = np.column_stack([rest_curvature(real, fabric, each, lie) for each in (plastic, bare)])
     noise = rng.standard_normal((*curvatures.shape, 3))
-    sides = np.stack(arc.box(curvatures * (1 + scatter * noise[..., 0]), length)) + reading_mm * np.moveaxis(
+    sides = np.stack(arc_box(curvatures * (1 + scatter * noise[..., 0]), length)) + reading_mm * np.moveaxis(
         noise[..., 1:], 2, 0
     )
     if step_mm:
         sides = step_mm * np.round(sides / step_mm)
-    bent = arc.curvature(*sides)
+    bent = arc_curvature(*sides)
     return [
         Reading(
             str(i + 1),

@@ -12,14 +12,13 @@ import pytest
 from PIL import Image
 
 from asterism.homogenize.law.material import load_material
-from asterism.laws.replace_material import with_material
-from asterism.measure.strips import arc
+from asterism.laws.from_files import with_material
 from asterism.measure.strips.fit_strips import fit_strips, write_material
-from asterism.measure.strips.settings import StripFitSettings
-from asterism.measure.strips.strip_table import Reading
+from asterism.measure.strips.strip_table import Reading, arc_box
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.spread import Spread
+from asterism.process.settings import StripFitSettings
 from tests.asterism.commands import Cli
 from tests.asterism.measure.strips.synthetic import synthetic_readings
 
@@ -31,7 +30,7 @@ def table(strips: list[Reading], path: Path) -> Path:
     for r in strips:
         first = [r.strip, f"{r.thickness_mm:g}", f"{r.length_mm:g}", f"{r.stretch:g}", f"{r.fabric_thickness_mm:g}"]
         first.append(r.direction or "")
-        width, height = arc.box(r.curvature_per_mm or 0.0, r.length_mm)
+        width, height = arc_box(r.curvature_per_mm or 0.0, r.length_mm)
         rows.setdefault(r.strip, first).extend([f"{width:.1f}", f"{height:.1f}"])
     lines = [head + ",peeled_box_width_mm,peeled_box_height_mm", *map(",".join, rows.values())]
     path.write_text("\n".join(lines) + "\n")

@@ -12,8 +12,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import binom
 
-from asterism.measure.strips import arc
-from asterism.measure.strips.settings import THICKNESSES_MM, KappaBarKind, StripFitSettings, StripFormula
 from asterism.measure.strips.strip_fit import (
     FORMULAS,
     StripFit,
@@ -21,8 +19,17 @@ from asterism.measure.strips.strip_fit import (
     fit_directions,
     fit_readings,
 )
-from asterism.measure.strips.strip_table import STRIP_COLUMNS, Reading, read_strips
+from asterism.measure.strips.strip_table import (
+    STRIP_COLUMNS,
+    Reading,
+    arc_box,
+    arc_curvature,
+    arc_length,
+    line_box,
+    read_strips,
+)
 from asterism.pattern.design.materials import Fabric, Plastic, rest_curvature
+from asterism.process.settings import THICKNESSES_MM, KappaBarKind, StripFitSettings, StripFormula
 from asterism.results.csv_cells import TableError
 from tests.asterism.measure.strips.synthetic import synthetic_readings
 
@@ -55,7 +62,7 @@ def test_separators_orders_and_remarks(separator: str, end: str, tmp_path: Path)
 
 
 def test_beyond_half_a_circle_and_rolled_over_itself(tmp_path: Path) -> None:
-    width, height = (float(side) for side in arc.box(0.08, 60.0))
+    width, height = (float(side) for side in arc_box(0.08, 60.0))
     assert height > width / 2
     table = f"{HEAD}\n1,0.2,60,1.35,0.8,{width:.2f},{height:.2f}\n2,0.2,60,1.35,0.8,15.0,15.1\n"
     beyond, rolled = read(tmp_path, table)
@@ -85,7 +92,7 @@ def test_curvatures_in_place_of_boxes(tmp_path: Path) -> None:
 
 def test_boxes_around_the_whole_strip(tmp_path: Path) -> None:
     """A box drawn around fabric and plastic is higher by their thickness: half as much again for a flat arc."""
-    width, height = (float(side) for side in arc.box(0.005, 60.0))
+    width, height = (float(side) for side in arc_box(0.005, 60.0))
     text = f"{HEAD}{PEELED}\n1,0.3,60,1.35,0.8,{width:.3f},{height + 1.1:.3f},{width:.3f},{height + 0.3:.3f}\n"
     for reading in read(tmp_path, text, outside=True):
         assert reading.curvature_per_mm == pytest.approx(0.005, rel=0.02)
@@ -407,19 +414,19 @@ def drawn_box(angle: float, radius: float, thickness: float = 0.0) -> tuple[floa
 @given(angle=angles, radius=radii)
 def test_a_box_is_that_of_the_drawn_arc_and_gives_it_back(angle: float, radius: float) -> None:
     """Beyond half a circle, too, where the box's width is the diameter."""
-    width, height = arc.box(1 / radius, angle * radius)
+    width, height = arc_box(1 / radius, angle * radius)
     assert (width, height) == pytest.approx(drawn_box(angle, radius), rel=1e-6, abs=1e-9 * radius)
-    assert float(arc.curvature(width, height)) == pytest.approx(1 / radius, rel=1e-9)
-    assert float(arc.arc_length(width, height)) == pytest.approx(angle * radius, rel=1e-6)
+    assert float(arc_curvature(width, height)) == pytest.approx(1 / radius, rel=1e-9)
+    assert float(arc_length(width, height)) == pytest.approx(angle * radius, rel=1e-6)
 
 
 def test_a_flat_box() -> None:
-    assert float(arc.curvature(60.0, 0.0)) == 0.0
-    assert float(arc.arc_length(60.0, 0.0)) == 60.0
-    assert [float(side) for side in arc.box(0.0, 60.0)] == pytest.approx([60.0, 0.0])
-    assert arc.line_box(60.0, 1.0, 1.1) == (60.0, 0.0)
+    assert float(arc_curvature(60.0, 0.0)) == 0.0
+    assert float(arc_length(60.0, 0.0)) == 60.0
+    assert [float(side) for side in arc_box(0.0, 60.0)] == pytest.approx([60.0, 0.0])
+    assert line_box(60.0, 1.0, 1.1) == (60.0, 0.0)
     with pytest.raises(ValueError, match="does not bend"):
-        arc.line_box(4.0, 3.0, 1.1)
+        line_box(4.0, 3.0, 1.1)
 
 
 @given(angle=st.floats(0.05, 6.0), thickness=st.floats(0.1, 1.5))
@@ -427,6 +434,6 @@ def test_outside_of_a_thick_strip(angle: float, thickness: float) -> None:
     radius = 30.0
     width, height = drawn_box(angle, radius, thickness)
     if width > 4 * thickness:
-        found = arc.line_box(width, height, thickness)
+        found = line_box(width, height, thickness)
         # the box of the line is that of its own arc, up to what the drawn points leave out
         assert found == pytest.approx(drawn_box(angle, radius), rel=1e-4, abs=1e-4)

@@ -9,18 +9,17 @@ from typing import Any
 from asterism.discrete.release.continuation import Report, prefixed_report
 from asterism.discrete.release.levels import Ladder, SharedSearch
 from asterism.equilibrium.errors import Error
-from asterism.exact.minima import BY_ENERGY, FROM_DEFAULT_START, several_minima
-from asterism.exact.simulation import exact_shape
+from asterism.exact.simulation import BY_ENERGY, FROM_DEFAULT_START, exact_shape, several_minima
 from asterism.homogenize.law.law import Law
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.symmetries import symmetries
 from asterism.previews.session import preview
-from asterism.process.listeners import Say, ignore_line
+from asterism.process.progress import Say, ignore_line
 from asterism.results.records.exact import MinimumRecord, StartsRecord
 from asterism.shape.shape import Shape
-from asterism.verification.verification import PREVIEW, RELEASE, right_shape, same_minimum, two_minima_warnings
+from asterism.verification.verify import PREVIEW, RELEASE, right_shape, same_minimum, two_minima_warnings
 
 # default number of starts of `simulate`
 BOTH_STARTS = 2

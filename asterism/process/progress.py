@@ -1,11 +1,11 @@
-"""Progress of a long computation on a stream: one line that changes on a terminal, lines elsewhere."""
+"""Progress of a long computation: functions that follow it, one line that changes on a terminal, lines elsewhere."""
 
 from __future__ import annotations
 
 import sys
 import threading
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from types import TracebackType
 from typing import TYPE_CHECKING, Self, TextIO
@@ -14,6 +14,7 @@ from asterism.equilibrium.errors import one_line
 
 if TYPE_CHECKING:
     from asterism.homogenize.campaign.workers import CampaignProgress
+
 
 # longest silence: then a line says that the computation goes on
 MAX_QUIET_S = 4.0
@@ -129,3 +130,11 @@ def without_numbers(problem: str) -> str:
     """
     words = [w for w in problem.split() if not any(c.isdigit() for c in w)]
     return " ".join(words).rstrip(":,")
+
+
+# called with each line about the progress
+Say = Callable[[str], None]
+
+
+def ignore_line(text: str) -> None:
+    """Do nothing with a line: the listener where none is given."""

@@ -1,10 +1,14 @@
-"""Areas, curvatures, strains and standard pose of a triangulated sheet in space."""
+"""A triangulated sheet in space: areas, curvatures, strains, standard pose, self-intersections and nearest points."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from jaxtyping import Bool, Float, Int
+from numpy.typing import NDArray
 from scipy.sparse import coo_array, csc_array, diags_array
+from scipy.spatial import cKDTree
 
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.geometry import planar
@@ -212,3 +216,125 @@ def _per_area(values: Floats, positions: Floats, triangles: Ints) -> Floats:
     area = vertex_areas(positions, triangles)
     defined = ~border_of(triangles, len(positions)) & (area > 0)
     return np.asarray(np.divide(values, area, out=np.full(len(positions), np.nan), where=defined))
+
+
+def self_intersections(positions: Float[np.ndarray, "V 3"], triangles: Int[np.ndarray, "T 3"]) -> int:
+    """Count the pairs of triangles (T, 3) at positions (V, 3) mm that pass through each other and share no vertex."""
+    pairs = _close_pairs(positions, triangles)
+    corner = positions[triangles]
+    through = _edge_through(corner[pairs[:, 0]], corner[pairs[:, 1]])
+    rest = ~through
+    through[rest] = _edge_through(corner[pairs[rest, 1]], corner[pairs[rest, 0]])
+    return int(through.sum())
+
+
+def meets_itself(
+    printed: Float[np.ndarray, "V 2"], positions: Float[np.ndarray, "V 3"], triangles: Int[np.ndarray, "T 3"]
+) -> bool:
+    """Fast test whether a smooth sheet, printed (V, 2) mm and at positions (V, 3) mm, may pass through itself.
+
+    True if two vertices that are printed more than three edge lengths apart are so close in space that their triangles
+    can touch. If this is false, `self_intersections` can only find folds within three edge lengths, which a smooth
+    sheet does not have. The test takes a fifth of its time.
+    """
+    edges = directed_edges(triangles)
+    longest = _lengths(positions, edges).max()
+    # each point of a triangle is within (longest edge) / sqrt(3) of its nearest corner
+    reach = 2.0 * longest / np.sqrt(3.0)
+    near = cKDTree(positions).query_pairs(reach, output_type="ndarray")
+    # two vertices whose printed distance is above this number of edge lengths are not neighbours
+    return bool((_lengths(printed, near) > 3.0 * _lengths(printed, edges).max()).any())
+
+
+def _lengths(points: Floats, pairs: Ints) -> Floats:
+    apart = points[pairs[:, 0]] - points[pairs[:, 1]]
+    return np.asarray(np.sqrt(np.einsum("pi,pi->p", apart, apart)))  # faster than numpy's norm
+
+
+def _close_pairs(positions: Floats, triangles: Ints) -> Ints:
+    """(P, 2) pairs of triangles whose bounding boxes overlap, without pairs that share a vertex."""
+    corner = positions[triangles]
+    low, high = corner.min(axis=1), corner.max(axis=1)
+    middle = 0.5 * (low + high)
+    reach = float((high - low).max())  # the centres of overlapping boxes are closer than this along x, y and z
+    pairs = cKDTree(middle).query_pairs(reach, p=np.inf, output_type="ndarray")
+    i, j = pairs.T
+    boxes = (low[i] <= high[j]).all(axis=1) & (low[j] <= high[i]).all(axis=1)
+    pairs = pairs[boxes]
+    first, second = triangles[pairs[:, 0]], triangles[pairs[:, 1]]
+    # one pair of corners at a time: an array of all nine comparisons would need the most memory of this file
+    shared = np.zeros(len(pairs), dtype=bool)
+    for a in range(3):
+        for b in range(3):
+            shared |= first[:, a] == second[:, b]
+    return np.asarray(pairs[~shared])
+
+
+def _edge_through(first: Floats, second: Floats) -> NDArray[np.bool_]:
+    """(P,) whether an edge of the first triangle (P, 3, 3) passes through the second one."""
+    a, b, c = second.transpose(1, 0, 2)
+    normal = np.cross(b - a, c - a)
+    height = np.einsum("pki,pi->pk", first - a[:, None], normal)
+    out = np.zeros(len(first), dtype=bool)
+    for start, end in ((0, 1), (1, 2), (2, 0)):
+        h0, h1 = height[:, start], height[:, end]
+        crosses = np.flatnonzero(h0 * h1 < 0.0)
+        t = h0[crosses] / (h0[crosses] - h1[crosses])
+        p, q = first[crosses, start], first[crosses, end]
+        point = p + t[:, None] * (q - p)
+        n = normal[crosses]
+        inside = np.ones(len(crosses), dtype=bool)
+        for u, v in ((a, b), (b, c), (c, a)):
+            side = (np.cross(v[crosses] - u[crosses], point - u[crosses]) * n).sum(axis=1)
+            # triangles that overlap by less than this part of their size only touch
+            inside &= side > 1e-12 * (n * n).sum(axis=1)
+        out[crosses[inside]] = True
+    return out
+
+
+# points that are computed in one array
+_POINTS_AT_ONCE = 20_000
+
+
+@dataclass(frozen=True)
+class Nearest:
+    """The nearest points on a surface to some points."""
+
+    places: Floats  # (n, 3) mm, nearest points on the surface
+    triangle: Ints  # (n,) triangles that contain them
+    distance: Floats  # (n,) mm, positive on the side of the normals
+
+
+class NearestOnSurface:
+    """Search for the nearest points on triangles (T, 3) with vertices (V, 3) mm."""
+
+    def __init__(self, vertices: Floats, triangles: Ints):
+        self.vertices, self.triangles, self._corners = vertices, triangles, vertices[triangles]
+        normals = triangle_normals(vertices, triangles)
+        self.normals = normals / np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+        centres = self._corners.mean(axis=1)
+        size = np.linalg.norm(self._corners - centres[:, None], axis=2).max(axis=1)
+        # triangles of one kind differ in size by a factor of 2 at most
+        kind = np.floor(np.log(np.maximum(size, 1e-9) / max(size.max(), 1e-9)) / np.log(2.0)).astype(int)
+        self._kinds = [(cKDTree(centres[kind == k]), np.flatnonzero(kind == k)) for k in np.unique(kind)]
+
+    def __call__(self, points: Floats) -> Nearest:
+        """The nearest points to points (n, 3) mm."""
+        chunks = [self._some(points[i : i + _POINTS_AT_ONCE]) for i in range(0, len(points), _POINTS_AT_ONCE)]
+        places, triangle = (np.concatenate(parts) for parts in zip(*chunks, strict=True))
+        away = points - places
+        side = np.where(np.einsum("ni,ni->n", away, self.normals[triangle]) < 0, -1.0, 1.0)
+        return Nearest(places, triangle, side * np.linalg.norm(away, axis=1))
+
+    def _some(self, points: Floats) -> tuple[Floats, Ints]:
+        from trimesh.triangles import closest_point  # slow to import
+
+        # of each kind, the triangles with the nearest centres
+        near = [among[tree.query(points, k=range(1, min(12, len(among)) + 1))[1]] for tree, among in self._kinds]
+        candidates = np.concatenate(near, axis=1)
+        there = closest_point(self._corners[candidates.ravel()], np.repeat(points, candidates.shape[1], axis=0))
+        places = there.reshape(*candidates.shape, 3)
+        # triangles without area give nan in older releases of trimesh
+        best = np.nan_to_num(((places - points[:, None, :]) ** 2).sum(axis=2), nan=np.inf).argmin(axis=1)
+        rows = np.arange(len(points))
+        return places[rows, best], candidates[rows, best]
