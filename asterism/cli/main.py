@@ -21,18 +21,6 @@ from asterism.process.environment import memory_problem, mend_environment
 if TYPE_CHECKING:
     from typer import Typer
 
-# system errors of printing; errors of files have a class of their own, or a file name
-FULL_OR_GONE = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF, errno.EPIPE}
-
-# the option parser's phrases, as patterns, and the words of the other messages
-PARSER_WORDS = {
-    "Value error, ": "",
-    "Input should be a valid integer.*": "must be a whole number",
-    "Input should be a valid number.*": "must be a number",
-    "Input should be greater than or equal to": "must be at least",
-    "Input should be less than or equal to": "must be at most",
-}
-
 
 def main() -> None:
     """Run the command line; exits with 0 (done), 1 (no result), 2 (wrong input) or 130 (interrupted)."""
@@ -96,7 +84,13 @@ def plain_words(message: str) -> str:
     >>> plain_words("Invalid value for '--jobs': Input should be greater than or equal to 1")
     "Invalid value for '--jobs': must be at least 1"
     """
-    for pattern, words in PARSER_WORDS.items():
+    for pattern, words in (
+        ("Value error, ", ""),
+        ("Input should be a valid integer.*", "must be a whole number"),
+        ("Input should be a valid number.*", "must be a number"),
+        ("Input should be greater than or equal to", "must be at least"),
+        ("Input should be less than or equal to", "must be at most"),
+    ):
         message = re.sub(pattern, words, message)
     return message
 
@@ -134,7 +128,8 @@ def _run() -> int:
             _stop(f"{error.filename}: {reason}", 2)
         if error.errno == errno.ENOENT:
             _stop("the folder in which the command runs does not exist any more", 2)
-        if error.errno not in FULL_OR_GONE:
+        # system errors of printing; errors of files have a class of their own, or a file name
+        if error.errno not in (errno.ENOSPC, errno.EDQUOT, errno.EFBIG, errno.EIO, errno.EBADF, errno.EPIPE):
             raise
         # discard unprinted text: Python would try again at its end, and print an error
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

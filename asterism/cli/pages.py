@@ -57,11 +57,6 @@ def report(
     run.lines([f"{path}: layout 1:{written.scale:g}; shape: {written.source}"])
 
 
-# characters of the widest label and of a number in the table on the terminal
-LABEL_WIDTH = 50
-CELL_WIDTH = 20
-
-
 @command
 def compare_designs(
     run: Run,
@@ -100,9 +95,8 @@ def compare_designs(
             law=own_law,
             say=run.say,
         )
-    run.table({"": "  ".join(f"{each.name:>{CELL_WIDTH}}" for each in written.designs)}, LABEL_WIDTH)
-    rows = {row.label: "  ".join(f"{text:>{CELL_WIDTH}}" for text in row.texts) for row in written.numbers}
-    run.table(rows, LABEL_WIDTH)
+    rows = {"": [each.name for each in written.designs]} | {row.label: row.texts for row in written.numbers}
+    run.table({label: "  ".join(f"{text:>20}" for text in texts) for label, texts in rows.items()}, width=50)
     count = len(written.differences)
     run.lines([f"{path}: {count} {'entry differs' if count == 1 else 'entries differ'}"])
     run.warn(*(f"{each.name}: {each.problem}" for each in written.designs if each.problem))

@@ -35,7 +35,9 @@ def render(thing: Scene, view: Camera, pixels_per_mm: float) -> Floats:
     depth[np.unique(strips)] += thing.lift_mm
     raster = rasterise(places, depth, triangles, rows, columns)
     around, colours = _depth_around(raster), thing.colours
-    lights = np.stack([KEY_LIGHT, view.axes[:, 2], HALFWAY])
+    # halfway between light and viewer, for the specular highlight
+    halfway = KEY_LIGHT + np.array([0.0, 0.0, 1.0])
+    lights = np.stack([KEY_LIGHT, view.axes[:, 2], halfway / np.linalg.norm(halfway)])
     image = np.zeros((height, width, 4))
     shade(
         raster.face,
@@ -173,8 +175,6 @@ PINS = (0.86, 0.25, 0.16)
 OUTLINE_COLOUR = (0.16, 0.16, 0.18)
 # unit vector towards the light: upper left, in front
 KEY_LIGHT = np.array([-0.50, 0.62, 0.60]) / np.linalg.norm([-0.50, 0.62, 0.60])
-# unit vector halfway between light and viewer, for the specular highlight
-HALFWAY = (KEY_LIGHT + np.array([0.0, 0.0, 1.0])) / np.linalg.norm(KEY_LIGHT + np.array([0.0, 0.0, 1.0]))
 # brightness of the key light and of the highlight, by the cosine that each of them needs
 KEY_TABLE = np.linspace(0.0, 1.0, 4096) ** 1.6
 GLOSS_TABLE = np.linspace(0.0, 1.0, 4096) ** 40

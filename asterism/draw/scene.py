@@ -15,17 +15,12 @@ from asterism.pattern.geometry.normals import vertex_normals
 from asterism.pattern.layout.layout import Layout, off_curves_mm
 
 View = Literal["oblique", "above", "front", "side"]
-# (azimuth, elevation) of the cameras in deg: OBLIQUE for the perspective view, VIEWS for drawings to scale
-OBLIQUE = (-62.0, 30.0)
-# distance of the viewer in the perspective view, in diagonals of the box around the sheet
-VIEWER_DISTANCE = 2.6
+# (azimuth, elevation) of the cameras for drawings to scale, in deg
 VIEWS = {"above": (-90.0, 90.0), "front": (-90.0, 0.0), "side": (0.0, 0.0)}
 # radius of a ball over the diameter of the sheet
 BALL_RADIUS_FACTOR = 0.011
 # radius of a tube over the diameter of the sheet
 TUBE_RADIUS_FACTOR = 0.0045
-# rings of points from pole to pole of a ball
-BALL_RINGS = 5
 # points around a ball and around a tube
 MARK_SIDES = 8
 
@@ -56,7 +51,8 @@ def sheet_camera(view: View, points: Floats) -> Camera:
     """The camera around a sheet with points (n, 3) mm: in perspective (`oblique`), or for a drawing to scale."""
     low, high = points.min(axis=0), points.max(axis=0)
     if view == "oblique":
-        return camera(*OBLIQUE, (low + high) / 2, VIEWER_DISTANCE * float(np.linalg.norm(high - low)))
+        # the distance of the viewer is 2.6 diagonals of the box around the sheet
+        return camera(-62.0, 30.0, (low + high) / 2, 2.6 * float(np.linalg.norm(high - low)))
     return camera(*VIEWS[view], (low + high) / 2)
 
 
@@ -150,12 +146,13 @@ def _together(parts: list[Marks]) -> Marks:
 
 
 def _ball(centre: Floats, radius: float) -> Marks:
-    polar = np.linspace(0.0, np.pi, BALL_RINGS)
+    rings = 5  # of points, from pole to pole
+    polar = np.linspace(0.0, np.pi, rings)
     circles = np.stack(
         [np.outer(np.sin(polar), part) for part in _circle()] + [np.outer(np.cos(polar), np.ones(MARK_SIDES))]
     )
     normals = circles.reshape(3, -1).T
-    return centre + radius * normals, normals, _grid(BALL_RINGS)
+    return centre + radius * normals, normals, _grid(rings)
 
 
 def _tube(places: Floats, radius: float) -> Marks:

@@ -60,15 +60,11 @@ END_NAMES = {1: "upper end", -1: "lower end"}
 HALF_INTERVAL_SIGMAS = 1.96  # 95 % of a normal distribution
 NINE_IN_TEN = (0.05, 0.5, 0.95)
 SAMPLES = 4000
-SEED = 0
 # 1: rms distance of exact heights from the response over their standard deviation, 0.17 to 0.38 for 40 random materials
 # of three sheets; it counts as independent of the values
 RESPONSE_ERROR = 0.35
 # with the shape of the design; one of them goes back from the furthest end
 MAX_SOLVES = 10
-# the line on the print: directions that are tried, and its points
-LINE_DIRECTIONS = 12
-LINE_POINTS = 201
 
 
 class _ScaledFabric(Fabric):
@@ -227,15 +223,15 @@ class _Line:
         """The line of largest height from one edge of the sheet to the other."""
         plan, mesh = model.layout, model.mesh
         top, reach = mesh.points[positions[:, 2].argmax()], 2.0 * plan.diameter_mm
-        lines = []
-        for angle in np.pi / LINE_DIRECTIONS * np.arange(LINE_DIRECTIONS):
+        lines, count = [], 201  # points of the line
+        for angle in np.pi / 12 * np.arange(12):
             direction = np.array([np.cos(angle), np.sin(angle)])
-            away = np.linspace(-reach, reach, 8 * LINE_POINTS + 1)
+            away = np.linspace(-reach, reach, 8 * count + 1)
             off = np.flatnonzero(~plan.is_on_sheet(top + away[:, None] * direction))
             # a point on the edge is on the sheet or beside it
             middle = away[np.abs(away).argsort()[:3]]
             before, after = away[off][away[off] < middle.min()], away[off][away[off] > middle.max()]
-            points = top + np.linspace(before.max(), after.min(), LINE_POINTS)[:, None] * direction
+            points = top + np.linspace(before.max(), after.min(), count)[:, None] * direction
             triangle, weights = locate(mesh.points, mesh.triangles, points, plan.spacing_mm)
             corners = mesh.triangles[triangle]
             at = np.einsum("nk,nki->ni", weights, positions[corners])
@@ -325,7 +321,7 @@ class _Search:
 
 def _record(spread: Spread, names: list[str], search: _Search, wall: float) -> SpreadRecord:
     slope, curve = search.response(names)
-    normal = np.random.default_rng(SEED).standard_normal((SAMPLES, len(names) + 1))
+    normal = np.random.default_rng(0).standard_normal((SAMPLES, len(names) + 1))
     t, error = normal[:, :-1] / HALF_INTERVAL_SIGMAS, RESPONSE_ERROR * normal[:, -1:]
 
     def nine_in_ten(values: Floats) -> Floats:

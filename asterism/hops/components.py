@@ -29,8 +29,6 @@ from asterism.studio.file_names import check_files, file_below
 
 # designs whose previews are kept
 KEPT_PREVIEWS = 4
-MAX_DESIGN_CHARACTERS = 5_000_000
-FOLLOWED = "the sheet followed from its last form; search = true looks for forms of lower energy"
 
 Values = dict[str, list[Any]]
 Answer = tuple[dict[str, Any], tuple[str, ...]]
@@ -230,8 +228,8 @@ def read_design_text(text: str, folder: Path) -> Design:
 
     Older versions of Hops leave the text as it stands in JSON, with `\\n` for the end of a line.
     """
-    if len(text) > MAX_DESIGN_CHARACTERS:
-        raise InputError(f"design: has more than {MAX_DESIGN_CHARACTERS} characters")
+    if len(text) > 5_000_000:
+        raise InputError("design: has more than 5000000 characters")
     try:
         if "\n" not in text and "\\n" in text:
             text = json.loads(f'"{text}"')
@@ -271,7 +269,8 @@ def _drawn(shape: Shape, design: Design) -> dict[str, Any]:
 def _doubts(shape: Shape) -> tuple[str, ...]:
     lost = () if shape.summary["is_minimum"] else ("no equilibrium was found: the shape is not reliable",)
     # the next advice of a session is another one here
-    told = [FOLLOWED if "start a new preview" in line else str(line) for line in shape.summary["warnings"]]
+    followed = "the sheet followed from its last form; search = true looks for forms of lower energy"
+    told = [followed if "start a new preview" in line else str(line) for line in shape.summary["warnings"]]
     return (*lost, *told)
 
 
@@ -289,7 +288,6 @@ _SIZES = (
     Parameter("thicknesses", "Length", "Of the plastic: one, or one for each item; 0.3 mm without one", 0, 5000),
     Parameter("widths", "Length", "Of the plastic: one, or one for each item; 1.2 mm without one", 0, 5000),
 )
-_STRETCH = Parameter("stretch", "Number", "Stretch of the fabric", default=1.35, minimum=1.0, maximum=3.0)
 _TEXT = Parameter("design", "Text", "Text of the design, a file in TOML")
 _SHAPE = (
     Parameter("mesh", "Mesh", "The sheet in space"),
@@ -297,7 +295,6 @@ _SHAPE = (
     Parameter("rim", "Curve", "The outline in space, then the edges of holes"),
 )
 _CERTIFICATE = Parameter("certificate", "Text", "What is known about the equilibrium, a line each")
-_FITTED = tuple(Parameter(name, "Length", "Of the star at each site") for name in ("lengths", "thicknesses", "widths"))
 
 COMPONENTS = {
     part.name: part
@@ -329,7 +326,12 @@ COMPONENTS = {
         Component(
             "rods",
             "Shape of a sheet with drawn rods, by the exact model",
-            (_OUTLINE, Parameter("curves", "Curve", "Middle lines of the rods", 1, 2000), *_SIZES, _STRETCH),
+            (
+                _OUTLINE,
+                Parameter("curves", "Curve", "Middle lines of the rods", 1, 2000),
+                *_SIZES,
+                Parameter("stretch", "Number", "Stretch of the fabric", default=1.35, minimum=1.0, maximum=3.0),
+            ),
             (*_SHAPE, _CERTIFICATE, _TEXT),
             _rods,
         ),
@@ -350,7 +352,9 @@ COMPONENTS = {
             (
                 Parameter("outline", "Curve", "Outline of the sheet on the printer"),
                 Parameter("sites", "Place", "Centres of the stars"),
-                *_FITTED,
+                Parameter("lengths", "Length", "Of the star at each site"),
+                Parameter("thicknesses", "Length", "Of the star at each site"),
+                Parameter("widths", "Length", "Of the star at each site"),
                 Parameter("distance", "Length", "Mean distance of the sheet from the surface"),
                 _TEXT,
             ),

@@ -26,10 +26,6 @@ Kind = Literal["Number", "Length", "Integer", "Boolean", "Text", "Place", "Curve
 # .NET types of values; numbers are System.Double
 _NAMES = {"Place": "Rhino.Geometry.Point3d", "Curve": "Rhino.Geometry.PolylineCurve", "Mesh": "Rhino.Geometry.Mesh"}
 _NAMES |= {"Integer": "System.Int32", "Text": "System.String"}
-# mm, largest distance of a curve from the straight lines that stand for it, and of the ends of a closed curve
-CURVE_MM, CLOSED_MM = 0.005, 0.01
-# mm and plain numbers beyond are mistakes
-MAX_NUMBER = 1e9
 MAX_VERTICES = 200_000
 
 
@@ -150,7 +146,7 @@ def _read(parameter: Parameter, item: Any, units: Units) -> Any:
 
 
 def _number(value: Any, mm: float = 1.0) -> float:
-    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= MAX_NUMBER:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= 1e9:
         raise InputError("must be a number")
     return mm * float(value)
 
@@ -200,7 +196,8 @@ def _curve(value: Any, mm: float) -> Floats:
         points = _rows(value, 3, "a curve")[:, :2]
     else:
         try:
-            points = curve_points(_decoded(value, "Curve"), CURVE_MM / mm)
+            # the straight lines that stand for a curve are at most 0.005 mm from it
+            points = curve_points(_decoded(value, "Curve"), 0.005 / mm)
         except DrawingError as error:
             raise InputError(str(error)) from None
     if len(points) < 2:
@@ -232,7 +229,7 @@ _READERS: dict[str, Callable[[Any, float], Any]] = {
 
 def closed(points: Floats) -> Floats:
     """(n, 2) corners of a closed curve, the first one not repeated."""
-    if len(points) < 4 or math.dist(points[0], points[-1]) > CLOSED_MM:
+    if len(points) < 4 or math.dist(points[0], points[-1]) > 0.01:
         raise InputError("must be a closed curve")
     return points[:-1]
 

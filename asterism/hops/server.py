@@ -24,10 +24,6 @@ from asterism.process.local_server import LOOPBACK, Guard, Scope, bound, host_na
 MAX_REQUEST_BYTES = 16_000_000
 # requests that may wait at the same time
 MAX_WAITING = 200
-ICON = (
-    '<svg xmlns="http://www.w3.org/2000/svg" width="24" height="24" viewBox="0 0 24 24">'
-    '<path d="M12 12 12 3M12 12 4 17M12 12 20 17" stroke="#e64a19" stroke-width="3" stroke-linecap="round"/></svg>'
-)
 
 _log = logging.getLogger(__name__)
 
@@ -73,7 +69,8 @@ def describe(part: Component) -> dict[str, Any]:
         "Uri": f"/{part.name}",
         "Name": part.name,
         "Description": part.description,
-        "Icon": ICON,
+        "Icon": '<svg xmlns="http://www.w3.org/2000/svg" width="24" height="24" viewBox="0 0 24 24">'
+        '<path d="M12 12 12 3M12 12 4 17M12 12 20 17" stroke="#e64a19" stroke-width="3" stroke-linecap="round"/></svg>',
         "Inputs": [parameter.as_input() for parameter in part.inputs],
         "Outputs": [parameter.as_output() for parameter in part.outputs],
     }

@@ -101,9 +101,6 @@ def show(shown: Shape | Preview, sliders: Sequence[str] | None = None, height_px
 
 SIZE_SLIDERS = {"length": "Length", "thickness": "Thickness", "width": "Width"}
 SLIDERS = (*SIZE_SLIDERS, "stretch", "needle_scale", "needle_height")
-# factors of sizes, of places and of heights; the range of the law limits sizes further
-SIZE_FACTORS = (0.5, 1.5)
-SIZE_FACTOR_STEP, PLACE_FACTOR_STEP, HEIGHT_FACTOR_STEP = 0.01, 0.005, 0.02
 # Values of the widget's traits that change together: `mesh` and `frame` as bytes, `panel` as a table.
 Traits = dict[str, Any]
 
@@ -311,11 +308,11 @@ class SliderBoard:
             out.append(Slider("stretch", "Stretch of the fabric", options[0], options[-1], 0.01, **shown))
         if design.pins:
             label = "Distances of the needles"
-            out.append(Slider("needle_scale", label, 0.8, 1.2, PLACE_FACTOR_STEP, unit="×", digits=3))
+            out.append(Slider("needle_scale", label, 0.8, 1.2, 0.005, unit="×", digits=3))
         heights = [height for pins in design.pins for height in _heights(pins) if height != 0]
         if heights:
             base = (min(heights), max(heights))
-            out.append(Slider("needle_height", "Heights of the needles", 0.0, 2.0, HEIGHT_FACTOR_STEP, base=base))
+            out.append(Slider("needle_height", "Heights of the needles", 0.0, 2.0, 0.02, base=base))
         return out
 
     def _with_sizes(self, factors: Sequence[float]) -> Design:
@@ -337,15 +334,15 @@ class SliderBoard:
 
 def _size_slider(key: str, label: str, sizes: Floats, covered: tuple[float, float]) -> Slider | None:
     """A factor of sizes (n,) mm that keeps them in the range that the law covers; None if only 1 does."""
-    smallest, largest = float(sizes.min()), float(sizes.max())
-    low = min(1.0, max(SIZE_FACTORS[0], covered[0] / smallest))
-    high = max(1.0, min(SIZE_FACTORS[1], covered[1] / largest))
-    low, high = float(np.ceil(low / SIZE_FACTOR_STEP - 1e-9)), float(np.floor(high / SIZE_FACTOR_STEP + 1e-9))
+    smallest, largest, step = float(sizes.min()), float(sizes.max()), 0.01
+    low = min(1.0, max(0.5, covered[0] / smallest))
+    high = max(1.0, min(1.5, covered[1] / largest))
+    low, high = float(np.ceil(low / step - 1e-9)), float(np.floor(high / step + 1e-9))
     if low >= high:
         return None
     digits = 1 if key == "length" else 2
-    low, high = (round(steps * SIZE_FACTOR_STEP, 6) for steps in (low, high))
-    return Slider(key, label, low, high, SIZE_FACTOR_STEP, base=(smallest, largest), digits=digits)
+    low, high = (round(steps * step, 6) for steps in (low, high))
+    return Slider(key, label, low, high, step, base=(smallest, largest), digits=digits)
 
 
 def _heights(pins: Pins) -> list[float]:

@@ -18,13 +18,6 @@ from typing import Any, Literal
 
 from asterism.equilibrium.compiled import has_machine_code, uncached
 
-# packages whose loops take seconds to compile, in a user's words
-PACKAGE_TITLES = {
-    "discrete": "the exact model",
-    "fem": "the preview's shell",
-    "homogenize": "the law of the stars",
-}
-
 
 def how_often() -> str:
     """In which runs loops are compiled, in words."""
@@ -39,6 +32,8 @@ def announce_compiling(say: Callable[[str], None]) -> Iterator[None]:
     """
     from numba.core import event
 
+    # packages whose loops take seconds to compile, in a user's words
+    titles = {"discrete": "the exact model", "fem": "the preview's shell", "homogenize": "the law of the stars"}
     announced: set[str] = set()
 
     class Listener(event.Listener):
@@ -46,9 +41,9 @@ def announce_compiling(say: Callable[[str], None]) -> Iterator[None]:
 
         def on_start(self, event: Any) -> None:
             package = event.data["dispatcher"].py_func.__module__.split(".")[1]
-            if package in PACKAGE_TITLES and package not in announced:
+            if package in titles and package not in announced:
                 announced.add(package)
-                say(f"compiling {PACKAGE_TITLES[package]}: about 20 s, {how_often()}")
+                say(f"compiling {titles[package]}: about 20 s, {how_often()}")
 
         def on_end(self, event: Any) -> None:
             pass

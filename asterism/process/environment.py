@@ -8,9 +8,6 @@ import shlex
 import subprocess
 import sys
 
-# addresses that the libraries need; with less, OpenBLAS may ask for memory for ever
-MIN_MEMORY_BYTES = 2_000_000_000
-
 
 def memory_problem() -> str | None:
     """One line if the shell limits the memory of its processes to less than the libraries need; None otherwise."""
@@ -19,10 +16,10 @@ def memory_problem() -> str | None:
     except ImportError:  # Windows has no such limits
         return None
     limit = resource.getrlimit(resource.RLIMIT_AS)[0]
-    if limit == resource.RLIM_INFINITY or limit >= MIN_MEMORY_BYTES:
+    # addresses that the libraries need; with less, OpenBLAS may ask for memory for ever
+    if limit == resource.RLIM_INFINITY or limit >= 2_000_000_000:
         return None
-    needed = MIN_MEMORY_BYTES / 1e9
-    return f"a process may use {limit / 1e9:.1f} GB of memory here, it needs {needed:g} GB: see ulimit -v"
+    return f"a process may use {limit / 1e9:.1f} GB of memory here, it needs 2 GB: see ulimit -v"
 
 
 def mend_environment() -> None:

@@ -162,10 +162,6 @@ LAYOUT_MM = np.array([112.0, 122.0])
 LAYOUT_AT = np.array([83.0, 42.0])
 # the page lists the places of at most this many needles
 MAX_LISTED_NEEDLES = 12
-# largest number of lines of the warnings
-MAX_WARNING_LINES = 3
-# scales 1:n of the layout
-SCALES = (1, 1.5, 2, 2.5, 3, 4, 5, 10, 20, 50)
 
 
 def _write_design_page(path: Path, job: Job, facts: Facts, lines: Sequence[str], shape: Shape | None) -> float:
@@ -204,8 +200,8 @@ def _warnings(texts: Sequence[str]) -> list[Label]:
     """The warnings between the picture and the facts, as many as fit."""
     # longest line of the warnings, in characters
     lines = [line for text in texts for line in textwrap.wrap(text, 145)]
-    if len(lines) > MAX_WARNING_LINES:
-        lines = [*lines[: MAX_WARNING_LINES - 1], "... and more: see the summary of the results"]
+    if len(lines) > 3:
+        lines = [*lines[:2], "... and more: see the summary of the results"]
     return [_text(_MARGIN_MM, 181.5 - 3.2 * k, line, 2.3, DOUBTS) for k, line in enumerate(lines)]
 
 
@@ -228,7 +224,8 @@ def _layout(job: Job) -> tuple[list[Polyline | Circle | Label], float]:
     """The printed layout, seen from the plastic side, with its needles; n of its scale 1:n."""
     border = job.plan.outline
     low, high = border.min(axis=0), border.max(axis=0)
-    parts = next((n for n in SCALES if ((high - low) / n <= LAYOUT_MM).all()), SCALES[-1])
+    scales = (1, 1.5, 2, 2.5, 3, 4, 5, 10, 20, 50)
+    parts = next((n for n in scales if ((high - low) / n <= LAYOUT_MM).all()), scales[-1])
 
     def on_page(places: Floats) -> Floats:
         return (np.asarray(places) - (low + high) / 2) / parts + LAYOUT_AT + LAYOUT_MM / 2

@@ -233,10 +233,6 @@ def _target(fitted: Fit) -> list[list[str]]:
     ]
 
 
-# a part of the sheet has most of the distance if its rms is this many times that of the rest
-MAIN_FACTOR = 1.5
-
-
 def remainder(fitted: Fit) -> tuple[dict[str, tuple[float, str]], dict[str, float], list[str]]:
     """What remains of the distance of a fit, rms in % of the diameter.
 
@@ -291,14 +287,16 @@ def _places(fitted: Fit) -> tuple[dict[str, float], list[str]]:
     places = {f"within {rim_mm:.0f} mm of the outline": _rms(fitted, in_rim), "further inside": _rms(fitted, ~in_rim)}
     advice: list[str] = []
     rim, inside = places.values()
-    if rim > MAIN_FACTOR * inside:
+    # a part of the sheet has most of the distance if its rms is this many times that of the rest
+    main = 1.5
+    if rim > main * inside:
         advice.append("Most of the distance is at the rim." + (" More needles hold it." if s.needles else ""))
     ends = _stars_at_ends(fitted)
     if ends.any() and not ends.all():
         nearest = cKDTree(plan.centres).query(shape.printed)[1]
         at_end, elsewhere = _rms(fitted, ends[nearest]), _rms(fitted, ~ends[nearest])
         places |= {"around stars with the shortest or longest arms": at_end, "around other stars": elsewhere}
-        if at_end > MAIN_FACTOR * elsewhere:
+        if at_end > main * elsewhere:
             advice.append("Most of the distance is at stars whose arms are the shortest or longest of the law.")
     return places, advice
 

@@ -15,8 +15,6 @@ from asterism.results.words import direction, height_error, times
 from asterism.shape.vtu import write_shape_vtu
 from asterism.verification.verify import FLAT_HEIGHT_FACTOR, PREVIEW, RELEASE, Verification
 
-START_NAMES = {RELEASE: "released from the flat print", PREVIEW: "started from the preview"}
-
 
 def write_verification(verification: Verification, directory: str | Path) -> list[str]:
     """Write report.html, summary.json, and exact and preview (laid on the exact shape) as .vtu and .obj.
@@ -200,9 +198,10 @@ def _numbers(s: VerificationRecord) -> list[list[str]]:
 
 
 def _minima(s: VerificationRecord) -> list[list[str]]:
+    starts = {RELEASE: "released from the flat print", PREVIEW: "started from the preview"}
     return [
         [
-            START_NAMES[name] + (" (result)" if name == s.result_from else ""),
+            starts[name] + (" (result)" if name == s.result_from else ""),
             f"{one.energy_n_mm:.4f}",
             str(one.stars_up),
             "yes" if one.is_minimum else "no",

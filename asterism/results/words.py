@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-MAX_NAMED_STARS = 8
 # a sheet that hangs less below the base of its needles counts as lying on it: about its own thickness
 VISIBLE_SAG_MM = 0.5
 
@@ -23,7 +22,7 @@ def fixed_point(value: float, digits: int) -> str:
 
 def star_numbers(stars: Sequence[int]) -> str:
     """The numbers of stars; of many, the first ones."""
-    numbers = ", ".join(map(str, stars[:MAX_NAMED_STARS])) + (", ..." if len(stars) > MAX_NAMED_STARS else "")
+    numbers = ", ".join(map(str, stars[:8])) + (", ..." if len(stars) > 8 else "")
     return f"star{'s' if len(stars) > 1 else ''} {numbers}"
 
 

@@ -23,12 +23,6 @@ if TYPE_CHECKING:
     from asterism.fem.search.relax import ShellEquilibrium
 
 
-# a point this near to the border of a cell, relative to the spacing, counts as on the border
-CELL_BORDER_TOLERANCE = 1e-6
-# points whose neighbourhoods are searched in one piece; limits the memory
-MEANS_PER_PIECE = 2000
-
-
 class CellMean:
     """Means over the lattice cells around the vertices of a mesh, as a sparse matrix.
 
@@ -61,13 +55,16 @@ class CellMean:
         lengths = (steps**2).sum(axis=1)
         # each point of the plane is within half the diagonal of a rectangle of these sides from a lattice point
         reach = 0.5 * float(np.linalg.norm(lattice_vectors))
-        near = CELL_BORDER_TOLERANCE * reach**2
-        reach *= 1.0 + CELL_BORDER_TOLERANCE
+        # a point this near to the border of a cell, relative to the spacing, counts as on the border
+        tolerance = 1e-6
+        near = tolerance * reach**2
+        reach *= 1.0 + tolerance
         tree = cKDTree(points)
         rows = []
         middles = points if at is None else points[at]
-        for begin in range(0, len(middles), MEANS_PER_PIECE):
-            some = middles[begin : begin + MEANS_PER_PIECE]
+        piece = 2000  # points whose neighbourhoods are searched together; limits the memory
+        for begin in range(0, len(middles), piece):
+            some = middles[begin : begin + piece]
             pairs = cKDTree(some).sparse_distance_matrix(tree, reach, output_type="ndarray")
             i, j = pairs["i"], pairs["j"]
             # how much nearer a point is to the middle of its cell than to that of the cell beyond each pair of borders
@@ -220,22 +217,14 @@ def held_wide(layout: Layout) -> Iterator[str]:
         yield f"the pins hold the sheet {wide}: its fabric is stretched further than on the printer"
 
 
-# a warning lists at most this many sites
-MAX_NAMED_SITES = 5
-
-
 def site_warnings(layout: Layout) -> Iterator[str]:
     """Yield a line if entries of `stars.override` are for sites outside of the sheet."""
     if not (count := len(layout.ignored_sites)):
         return
-    named = ", ".join(str(site) for site in layout.ignored_sites[:MAX_NAMED_SITES].tolist())
-    more = ", ..." if count > MAX_NAMED_SITES else ""
+    named = ", ".join(str(site) for site in layout.ignored_sites[:5].tolist())
+    more = ", ..." if count > 5 else ""
     entries = "1 entry of stars.override is" if count == 1 else f"{count} entries of stars.override are"
     yield f"{entries} for sites outside of the sheet, and ignored: {named}{more}"
-
-
-# part of the way from `from` to `to` below which a profile counts as constant
-MIN_SPANNED_PART = 0.02
 
 
 def sizing_warnings(design: Design, layout: Layout) -> Iterator[str]:
@@ -247,8 +236,9 @@ def sizing_warnings(design: Design, layout: Layout) -> Iterator[str]:
         if not isinstance(profile, GradientProfile) or profile.start == profile.end:
             continue
         part = profile.fraction(layout.centres).clip(0.0, 1.0)
-        if part.max() < MIN_SPANNED_PART or part.min() > 1.0 - MIN_SPANNED_PART:
-            key, value = ("from", profile.start) if part.max() < MIN_SPANNED_PART else ("to", profile.end)
+        # a profile that spans less than 2 % of the way from `from` to `to` counts as constant
+        if part.max() < 0.02 or part.min() > 0.98:
+            key, value = ("from", profile.start) if part.max() < 0.02 else ("to", profile.end)
             yield (
                 f"stars.{name} varies from {profile.start:g} to {profile.end:g}, but all stars have nearly the value "
                 f"of {key}, {value:g}: are the places and distances of the profile in mm?"

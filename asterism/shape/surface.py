@@ -292,10 +292,6 @@ def _edge_through(first: Floats, second: Floats) -> NDArray[np.bool_]:
     return out
 
 
-# points that are computed in one array
-_POINTS_AT_ONCE = 20_000
-
-
 @dataclass(frozen=True)
 class Nearest:
     """The nearest points on a surface to some points."""
@@ -320,7 +316,8 @@ class NearestOnSurface:
 
     def __call__(self, points: Floats) -> Nearest:
         """The nearest points to points (n, 3) mm."""
-        chunks = [self._some(points[i : i + _POINTS_AT_ONCE]) for i in range(0, len(points), _POINTS_AT_ONCE)]
+        many = 20_000  # points that are computed in one array
+        chunks = [self._some(points[i : i + many]) for i in range(0, len(points), many)]
         places, triangle = (np.concatenate(parts) for parts in zip(*chunks, strict=True))
         away = points - places
         side = np.where(np.einsum("ni,ni->n", away, self.normals[triangle]) < 0, -1.0, 1.0)

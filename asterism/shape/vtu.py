@@ -67,9 +67,6 @@ def _plain(values: np.ndarray) -> np.ndarray:
 
 # name of the shape in the folder of a preview or a simulation
 SHAPE_FILE = "shape.vtu"
-# name of the exact shape in the folder of a verification
-EXACT_FILE = "exact.vtu"
-_MAX_MM = 1e6
 
 
 def read_shape(path: str | Path) -> Shape:
@@ -92,8 +89,8 @@ def read_shape(path: str | Path) -> Shape:
     path = Path(path)
     sheet = path
     if path.is_dir():
-        verified = not (path / SHAPE_FILE).exists() and (path / EXACT_FILE).exists()
-        sheet = path / (EXACT_FILE if verified else SHAPE_FILE)
+        verified = not (path / SHAPE_FILE).exists() and (path / "exact.vtu").exists()
+        sheet = path / ("exact.vtu" if verified else SHAPE_FILE)
     mesh = _read(sheet)
     printed, triangles = _printed(mesh, sheet), _cells(mesh, "triangle", sheet)
     areas = [triangle_areas(printed, triangles), surface_triangle_areas(np.asarray(mesh.points), triangles)]
@@ -158,9 +155,8 @@ def _read(path: Path) -> meshio.Mesh:
 
 def _printed(mesh: meshio.Mesh, path: Path) -> Floats:
     printed = np.asarray(mesh.point_data.get("printed_mm", ()), dtype=np.float64)
-    if printed.shape != (len(mesh.points), 3) or not (np.abs([printed, mesh.points]) < _MAX_MM).all():
-        allowed = f"must hold points below {_MAX_MM:g} mm with printed_mm, as asterism writes them"
-        raise DesignError("", allowed, file=path)
+    if printed.shape != (len(mesh.points), 3) or not (np.abs([printed, mesh.points]) < 1e6).all():
+        raise DesignError("", "must hold points below 1e+06 mm with printed_mm, as asterism writes them", file=path)
     return printed[:, :2].copy()
 
 

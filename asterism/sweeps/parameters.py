@@ -30,8 +30,6 @@ class SweepError(Error, ValueError):
 VALUE_DIGITS = 12
 # values of one parameter
 MAX_VALUES = 10_000
-# a path in messages of designs, pins[0].scale, and as it is given here, pins.0.scale
-_INDEX = re.compile(r"\[(\d+)\]")
 GRAMMAR = "PATH=FROM:TO:COUNT or PATH=VALUE,VALUE; with a number of samples also PATH=FROM:TO"
 
 
@@ -158,8 +156,8 @@ def check_parameters(design: Design, parameters: Sequence[SweepParameter]) -> No
 
 
 def _as_path(field: str) -> str:
-    """`pins.0.scale` for `pins[0].scale`."""
-    return _INDEX.sub(r".\1", field)
+    """`pins.0.scale` for `pins[0].scale`, as messages of designs name it."""
+    return re.sub(r"\[(\d+)\]", r".\1", field)
 
 
 def _number(path: str, given: str, text: str) -> float:

@@ -45,9 +45,6 @@ from asterism.results.words import doubts
 from asterism.shape.shape import Shape
 from asterism.sweeps.parameters import SweepParameter
 
-# digits of the numbers in a table: libraries on other machines differ in later ones
-TABLE_DIGITS = 6
-
 CellValue = float | int | bool | str | None
 
 
@@ -77,47 +74,43 @@ def _extent(axis: int, name: str) -> Quantity:
     return Quantity(f"extent_{name}_mm", "mm", f"extent along {name}", lambda summary: summary["extent_mm"][axis])
 
 
-_SHAPE = (
-    _key("height_mm", "mm", "height"),
-    _key("above_needles_mm", "mm", "rise over the needles"),
-    _key("below_needles_mm", "mm", "depth below the needles"),
-    _extent(0, "x"),
-    _extent(1, "y"),
-    _extent(2, "z"),
-    _key("contraction", "", "contraction"),
-    _key("roll_radius_mm", "mm", "radius of the roll"),
-    _key("roll_axis_deg", "deg", "axis of the roll"),
-    _key("energy_n_mm", "N mm", "energy"),
-    _key("is_minimum", "", "certified equilibrium"),
-    _key("self_intersections", "", "self-intersections"),
-)
-_PREVIEW = (
-    _key("expected_rms_percent", "% of the diameter", "estimated error"),
-    _key("expected_height_percent", "% of the height", "estimated error of the height"),
-    Quantity("stars_outside_law", "", "stars outside the law", lambda summary: len(summary["stars_outside_law"])),
-)
-_EXACT = (
-    Quantity("minima", "", "minima", lambda summary: len(summary["minima"])),
-    _key("stars_up", "", "stars up"),
-    _key("smallest_eigenvalue", "N/mm", "smallest eigenvalue"),
-    _key("mesh_error_percent", "% of the diameter", "mesh error"),
-    _key("mesh_change_percent", "% of the diameter", "change from the coarser mesh"),
-)
-_WORDS = (
-    Quantity("not_reliable", "", "not reliable", lambda summary: "; ".join(doubts(summary)) or None),
-    Quantity("warnings", "", "warnings", lambda summary: "; ".join(summary["warnings"]) or None),
-)
-
-
 def quantities(exact: bool) -> tuple[Quantity, ...]:
     """The columns after the parameters, of exact shapes or of previews."""
-    return (*_SHAPE, *(_EXACT if exact else _PREVIEW), *_WORDS)
+    of_both = (
+        _key("height_mm", "mm", "height"),
+        _key("above_needles_mm", "mm", "rise over the needles"),
+        _key("below_needles_mm", "mm", "depth below the needles"),
+        *(_extent(axis, name) for axis, name in enumerate("xyz")),
+        _key("contraction", "", "contraction"),
+        _key("roll_radius_mm", "mm", "radius of the roll"),
+        _key("roll_axis_deg", "deg", "axis of the roll"),
+        _key("energy_n_mm", "N mm", "energy"),
+        _key("is_minimum", "", "certified equilibrium"),
+        _key("self_intersections", "", "self-intersections"),
+    )
+    of_preview = (
+        _key("expected_rms_percent", "% of the diameter", "estimated error"),
+        _key("expected_height_percent", "% of the height", "estimated error of the height"),
+        Quantity("stars_outside_law", "", "stars outside the law", lambda summary: len(summary["stars_outside_law"])),
+    )
+    of_exact = (
+        Quantity("minima", "", "minima", lambda summary: len(summary["minima"])),
+        _key("stars_up", "", "stars up"),
+        _key("smallest_eigenvalue", "N/mm", "smallest eigenvalue"),
+        _key("mesh_error_percent", "% of the diameter", "mesh error"),
+        _key("mesh_change_percent", "% of the diameter", "change from the coarser mesh"),
+    )
+    words = (
+        Quantity("not_reliable", "", "not reliable", lambda summary: "; ".join(doubts(summary)) or None),
+        Quantity("warnings", "", "warnings", lambda summary: "; ".join(summary["warnings"]) or None),
+    )
+    return (*of_both, *(of_exact if exact else of_preview), *words)
 
 
 def table_values(summary: Mapping[str, Any], exact: bool) -> dict[str, CellValue]:
-    """The values of a shape by column, with `TABLE_DIGITS` digits."""
+    """The values of a shape by column; numbers have six digits: libraries on other machines differ in later ones."""
     values = {each.name: each.of(summary) for each in quantities(exact)}
-    return {n: float(f"{v:.{TABLE_DIGITS}g}") if isinstance(v, float) else v for n, v in values.items()}
+    return {n: float(f"{v:.6g}") if isinstance(v, float) else v for n, v in values.items()}
 
 
 # `webp`, a picture with a transparent background as text in base 64; `width_px`, `height_px`; and `px_per_mm`, its
@@ -199,10 +192,6 @@ def _file_hash(path: str, identity: tuple[int, ...]) -> str:
     return hashlib.sha256(Path(path).read_bytes()).hexdigest()[:16]
 
 
-# processor time of a preview with its picture, and memory of its process: all stars of the gallery with three
-# thicknesses each (0.06 s to 0.3 s of 37 stars, 0.3 s to 1.6 s of 85 to 127)
-PREVIEW_S = 0.05
-PREVIEW_S_A_STAR = 0.004
 # processor time of a preview of a motif without its cells (0.26 s to 1.1 s), and of one cell with edges of 2 mm (the
 # four motifs of asterism new: 0.5 s to 1.6 s in motif_responses)
 MOTIF_PREVIEW_S = 0.6
@@ -239,7 +228,9 @@ def sweep_cost(
     """The cost of so many designs on so many processes; of exact shapes by the largest at the ends of parameters."""
     processes = min(processes, count)
     if not exact:
-        each = PREVIEW_S + PREVIEW_S_A_STAR * _stars(design) if design.rods is None else MOTIF_PREVIEW_S
+        # processor time of a preview with its picture, and memory of its process: all stars of the gallery with three
+        # thicknesses each (0.06 s to 0.3 s of 37 stars, 0.3 s to 1.6 s of 85 to 127)
+        each = 0.05 + 0.004 * _stars(design) if design.rods is None else MOTIF_PREVIEW_S
         # sheets on supports may buckle, and are searched for further forms
         each *= 2.0 if design.pins else 1.0
         if design.rods is not None and not law_is_given and design.law_file is None:

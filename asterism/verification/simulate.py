@@ -23,8 +23,6 @@ from asterism.verification.verify import PREVIEW, RELEASE, right_shape, same_min
 
 # default number of starts of `simulate`
 BOTH_STARTS = 2
-# keys that a minimum has in common with the summary of its shape
-SAME_KEYS = ("energy_n_mm", "is_minimum", "stars_up", "roll_axis_deg", "smallest_eigenvalue", "vertices")
 
 
 def simulate(
@@ -130,8 +128,9 @@ def lower_minimum(design: Design, plan: Layout, released: Shape, near: Shape) ->
 
 
 def _entry(summary: Mapping[str, Any], starts: list[str], distance_percent: float) -> MinimumRecord:
+    same = ("energy_n_mm", "is_minimum", "stars_up", "roll_axis_deg", "smallest_eigenvalue", "vertices")
     return MinimumRecord(
-        **{name: summary[name] for name in SAME_KEYS},
+        **{name: summary[name] for name in same},
         stars_off_branch=len(summary["stars_off_branch"]),
         starts=len(starts),
         start_names=starts,

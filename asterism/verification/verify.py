@@ -68,8 +68,6 @@ class Verification:
         return self.comparisons[self.result]
 
 
-# largest ratio of an error and its estimate by the preview without a warning
-MAX_ERROR_RATIO = 2.0
 # heights that differ by less than this part of the diameter count as equal: both sheets are nearly flat
 FLAT_HEIGHT_FACTOR = 1e-3
 
@@ -85,12 +83,12 @@ def verification_warnings(verification: Verification, apart_percent: float) -> l
     lines += two_minima_warnings(verification.exact, verification.result, apart_percent)
     comparison = verification.comparison
     distance, expected = comparison.rms_percent, preview.get("expected_rms_percent")
-    if expected is not None and distance > MAX_ERROR_RATIO * expected:
+    if expected is not None and distance > 2.0 * expected:
         estimate = f"the estimated error of the preview ({expected:.1f} %)"
         lines.append(f"the distance ({distance:.1f} %) is more than twice {estimate}")
     (right, shown), expected = comparison.record.heights_mm, preview.get("expected_height_percent")
     # largest difference of the heights, in % of the exact height, without a warning if the preview has no estimate
-    limit = 10.0 if expected is None else MAX_ERROR_RATIO * expected
+    limit = 10.0 if expected is None else 2.0 * expected
     off = 100.0 * abs(shown - right)
     if off > 100.0 * FLAT_HEIGHT_FACTOR * comparison.diameter_mm and off > limit * right:
         heights = f"the preview is {shown:.1f} mm high, the exact shape {right:.1f} mm"
@@ -120,15 +118,12 @@ def two_minima_warnings(exact: Mapping[str, Shape], result: str, apart_percent: 
     """Two exact minima, `apart_percent` of the diameter apart, whose energies are so close that either may be lower."""
     for other in (shape.summary for name, shape in exact.items() if name != result):
         more = gap(exact[result].summary, other)
-        if other["is_minimum"] and apart_percent > MAX_FORM_DISTANCE_PERCENT and more <= MIN_CERTAIN_GAP:
+        # another mesh may exchange the order of two minima whose energies differ by 0.5 % of the elastic energy
+        if other["is_minimum"] and apart_percent > MAX_FORM_DISTANCE_PERCENT and more <= 0.005:
             yield (
                 f"the exact model has two minima, {apart_percent:.1f} % of the diameter apart, whose energies "
                 f"differ by {small_percent(100.0 * more)}: a print may rest in either"
             )
-
-
-# another mesh may exchange the order of two minima whose energies differ by at most this part of the elastic energy
-MIN_CERTAIN_GAP = 0.005
 
 
 def same_energy(one: float, other: float) -> bool:

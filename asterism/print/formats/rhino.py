@@ -19,8 +19,6 @@ from asterism.print.formats.registry import export_format
 from asterism.print.job import Job
 from asterism.print.needles import HOLE_DIAMETER_MM
 
-DRILLING_COLOUR = "#0a7d32"
-
 
 @export_format("3DM", ".3dm", "model", package="rhino3dm", hint=RHINO_NEEDED)
 def write_rhino(path: Path, job: Job) -> None:
@@ -49,6 +47,7 @@ def write_rhino(path: Path, job: Job) -> None:
         for ring in (job.plan.outline, *job.plan.holes):
             model.polyline("space::outline", CUT.colour, shape.at(dense_outline(ring), off), closed=True)
     # holes in the base, and needles from there to the sheet; the base lies at z = 0 if the shape is not known
+    drilling = "base::drilling", "#0a7d32"
     for needle in job.needles:
         if needle.place is None:
             continue
@@ -58,8 +57,8 @@ def write_rhino(path: Path, job: Job) -> None:
             centre[2] = upper[2] - needle.height_mm
             if needle.is_raised:
                 model.polyline("space::needles", NEEDLES.colour, np.array([centre, upper]), name=name)
-        model.point("base::drilling", DRILLING_COLOUR, centre, name)
-        model.circle("base::drilling", DRILLING_COLOUR, centre, HOLE_DIAMETER_MM / 2, name)
+        model.point(*drilling, centre, name)
+        model.circle(*drilling, centre, HOLE_DIAMETER_MM / 2, name)
     # version of the file: Rhino 7 and later read it
     if not model.file.Write(str(path), 7):
         raise OSError(f"rhino3dm cannot write {path.name}")

@@ -8,9 +8,6 @@ from asterism.results.record import ABSENT, Record, key
 from asterism.results.records.exact import MinimumRecord
 from asterism.results.words import VISIBLE_SAG_MM, needle_names, sag_in_words
 
-# tiny stars that the table lists by their place
-MAX_LISTED_TINY_STARS = 4
-
 
 class SizeChangeRecord(Record):
     """What rounding does to the thicknesses or the widths of the arms."""
@@ -144,8 +141,8 @@ def _change_in_words(record: ExportRecord) -> str:
 def _tiny_stars(record: ExportRecord) -> str | None:
     if not (tiny := record.tiny_stars):
         return None
-    places = ", ".join("[{:g}, {:g}]".format(*star.at_mm) for star in tiny[:MAX_LISTED_TINY_STARS])
-    return f"{len(tiny)}, may jump off: at {places}" + (", ..." if len(tiny) > MAX_LISTED_TINY_STARS else "")
+    places = ", ".join("[{:g}, {:g}]".format(*star.at_mm) for star in tiny[:4])
+    return f"{len(tiny)}, may jump off: at {places}" + (", ..." if len(tiny) > 4 else "")
 
 
 def _z_offset(record: ExportRecord) -> str:
