@@ -22,7 +22,7 @@ from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.law_file import law_bytes, law_digest, load_law
 from asterism.homogenize.law.plan import CellTask, SampleRecord
 from asterism.homogenize.law.star_law import StarLaw
-from asterism.laws.show_law import directions_warning
+from asterism.laws.calibrate import directions_warning
 from asterism.pattern.design.design import Design
 from asterism.previews.session import Preview
 from asterism.process.progress import CountLine
