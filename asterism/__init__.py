@@ -38,11 +38,11 @@ if TYPE_CHECKING:  # these lines are read below
     from asterism.homogenize.law.material import load_material as load_material
     from asterism.laws.calibrate import calibrate as calibrate
     from asterism.laws.show_law import show_law as show_law
-    from asterism.measure.compare.compare import compare as compare
-    from asterism.measure.compare.compare import write_comparison as write_comparison
-    from asterism.measure.strips.fit_strips import fit_strips as fit_strips
-    from asterism.measure.strips.fit_strips import write_material as write_material
-    from asterism.measure.strips.new_strips import new_strips as new_strips
+    from asterism.measure.compare import compare as compare
+    from asterism.measure.compare import write_comparison as write_comparison
+    from asterism.measure.fit_strips import fit_strips as fit_strips
+    from asterism.measure.fit_strips import write_material as write_material
+    from asterism.measure.new_strips import new_strips as new_strips
     from asterism.notebook.show import show as show
     from asterism.pattern.design.design import Design as Design
     from asterism.pattern.design.design import save_design as save_design

@@ -209,7 +209,7 @@ MODULES = [name for name, file in FILES.items() if ">>> " in file.read_text(enco
 # examples that take seconds
 LONG = {
     *("asterism.exact.spread", "asterism.print.export", "asterism.verification.simulate"),
-    *("asterism.fitting.fit", "asterism.fitting.solve_for", "asterism.measure.compare.compare"),
+    *("asterism.fitting.fit", "asterism.fitting.solve_for", "asterism.measure.compare"),
 }
 
 

@@ -286,7 +286,7 @@ def with_design_file(error: Error, file: Path) -> Error:
     return type(error)(f"{file}: {error}", error.stars, error.place_mm, error.field)
 
 
-# units of the numbers in a file, as `asterism.measure.compare.scan.MM`
+# units of the numbers in a file, as `asterism.measure.scan.MM`
 FileUnit = Literal["mm", "cm", "m", "in", "um"]
 DesignFile = Annotated[Path, typer.Argument(help="Design file (.toml or .json).")]
 MaterialFile = Annotated[

@@ -86,8 +86,8 @@ def compare(
     The scan is rotated and shifted onto the shape, but not mirrored or scaled. It may cover a part of the sheet.
     The exit status is 1 if the scan fits nowhere.
     """
-    from asterism.measure.compare.compare import check_comparison_directory
-    from asterism.measure.compare.scan import check_file
+    from asterism.measure.compare import check_comparison_directory
+    from asterism.measure.scan import check_file
 
     check_file(scan)
     directory = output or scan.with_name(f"{scan.stem}-compared")
@@ -152,7 +152,7 @@ def fit(
 
     The exit status is 1 if the strips do not determine these values.
     """
-    from asterism.measure.strips.fit_strips import check_material_path
+    from asterism.measure.fit_strips import check_material_path
     from asterism.pattern.design.material_files import own_material_path
 
     path = output or strips.parent / "material.toml"

@@ -72,14 +72,6 @@ def shape_image(shape: Drawable, title: str) -> Image.Image:
     return Image.open(stream)
 
 
-def small_png(image: Image.Image) -> bytes:
-    """PNG of an image in 256 colours. MAXCOVERAGE keeps colours of few pixels, such as the red of the supports."""
-    out = BytesIO()
-    # a step of k-means takes longer than all the rest, for colours that differ by 0.2 of 255 levels (rms)
-    image.convert("RGB").quantize(256, Image.Quantize.MAXCOVERAGE).save(out, "PNG")
-    return out.getvalue()
-
-
 def caption(shape: Drawable) -> str:
     """One line of numbers, as far as the summary holds them."""
     summary: Mapping[str, Any] = shape.summary

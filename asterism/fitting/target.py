@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.fitting.disk import Disk, TargetError, disk_of, height_mesh, place_text
-from asterism.measure.compare.scan import MAX_SCAN_COORDINATE
+from asterism.measure.scan import MAX_SCAN_COORDINATE
 from asterism.pattern.design.design import WEIGHT_RANGE
 from asterism.pattern.design.sizing.expression import ExpressionError, evaluate
 from asterism.pattern.design.sizing.grey_image import ImageError, check_pixel_format, opened_picture

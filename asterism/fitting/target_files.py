@@ -12,7 +12,7 @@ import numpy as np
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.fitting.disk import TargetError
 from asterism.fitting.target import MIN_FILLED_SHARE, PICTURE_FORMATS, PlasticSide, TargetSurface, picture_levels
-from asterism.measure.compare.scan import MM, SCAN_FORMATS, check_file, read_surface
+from asterism.measure.scan import MM, SCAN_FORMATS, check_file, read_surface
 from asterism.pattern.design.sizing.grey_image import ImageError
 from asterism.pattern.drawing.rhino import RHINO_FORMAT, open_rhino_model
 

@@ -10,7 +10,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-from asterism.measure.strips.new_strips import HELP_PEN, page_head, wrapped
+from asterism.measure.new_strips import HELP_PEN, page_head, wrapped
 from asterism.pattern.design.design import GRAVITY_M_S2
 from asterism.pattern.design.errors import DesignError
 from asterism.print.drawing import A4_MM, TEXT, Drawing, DrawingLayer, Label, Polyline, rectangle

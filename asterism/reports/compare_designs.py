@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from asterism.draw.picture import fitting_scale, small_png, view_image
+from asterism.draw.picture import fitting_scale, view_image
 from asterism.draw.scene import View
 from asterism.equilibrium.errors import Error
 from asterism.homogenize.law.law import Law
@@ -21,7 +21,7 @@ from asterism.previews.session import preview
 from asterism.print.job import Job, prepare
 from asterism.print.printer import PlasticProfile, Printer, load_plastic, load_printer
 from asterism.process.progress import Say, ignore_line
-from asterism.reports.html import design_rows, figures, html_page, html_table, warnings_box
+from asterism.reports.html import design_rows, figures, html_page, html_table, small_png, warnings_box
 from asterism.results.files import check_file, write_file
 from asterism.results.words import box_in_words
 from asterism.shape.comparison import compare_shapes

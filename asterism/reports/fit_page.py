@@ -20,7 +20,7 @@ from asterism.draw.scene import bare, scene
 from asterism.draw.style import INK, PALE, add_grid, style_axes
 from asterism.equilibrium.arrays import Bools, Floats
 from asterism.fitting.fit import Fit
-from asterism.measure.compare.compare import SIGNED_DISTANCE_COLOURS, frame_section, surface_cut
+from asterism.measure.compare import SIGNED_DISTANCE_COLOURS, frame_section, surface_cut
 from asterism.pattern.design.errors import check_type
 from asterism.pattern.geometry.planar import distance_to_outline
 from asterism.reports.html import design_rows, figures, html_page, html_table, png, tiles, warnings_box

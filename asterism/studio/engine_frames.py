@@ -8,8 +8,8 @@ from functools import cached_property
 import numpy as np
 
 from asterism.equilibrium.arrays import Array, Floats, Ints
-from asterism.measure.compare.registration import register
-from asterism.measure.compare.scan import MAX_SCAN_POINTS, surface_samples
+from asterism.measure.registration import register
+from asterism.measure.scan import MAX_SCAN_POINTS, surface_samples
 from asterism.pattern.geometry.normals import sum_at_vertices, triangle_normals
 from asterism.pattern.geometry.planar import triangle_areas
 from asterism.pattern.mesh.meshing import mesh_layout

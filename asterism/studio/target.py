@@ -11,7 +11,7 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Array, Floats, Ints
 from asterism.fitting.target_files import read_rhino
-from asterism.measure.compare.scan import MM, read_surface
+from asterism.measure.scan import MM, read_surface
 from asterism.pattern.drawing.rhino import RHINO_FORMAT
 from asterism.pattern.layout.layout import Layout
 from asterism.studio import frames

@@ -13,7 +13,7 @@ import shapely
 from starlette.requests import Request
 
 from asterism.equilibrium.errors import Error
-from asterism.measure.compare.outline import OUTLINE_FORMATS, read_outline
+from asterism.measure.outline import OUTLINE_FORMATS, read_outline
 from asterism.pattern.design.sizing.grey_image import ImageError, pack_image, read_grey
 from asterism.pattern.drawing.records import MM_OF_UNITS, NoUnitError
 from asterism.studio.child import Child

@@ -60,7 +60,7 @@ def _warm_up(kit: Path) -> None:
     """Do once what most cases do: they find modules loaded, loops compiled and fonts chosen."""
     import asterism
     import asterism.cli.main
-    import asterism.measure.strips.fit_strips
+    import asterism.measure.fit_strips
     import asterism.sweeps.sweep
 
     asterism.cli.main.application()

@@ -16,12 +16,12 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from PIL import Image
 
-from asterism.draw.picture import draw_shape, small_png
+from asterism.draw.picture import draw_shape
 from asterism.draw.render import render
 from asterism.draw.scene import drawn_size, scene, sheet_camera
 from asterism.exact.simulation import exact_shape
 from asterism.homogenize.errors import LawError
-from asterism.measure.compare.compare import surface_cut
+from asterism.measure.compare import surface_cut
 from asterism.pattern import gallery as designs
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
@@ -31,7 +31,7 @@ from asterism.previews.session import preview
 from asterism.print.export import write_export
 from asterism.print.job import prepare
 from asterism.print.printer import load_plastic, load_printer
-from asterism.reports.html import png
+from asterism.reports.html import png, small_png
 from asterism.reports.plots import comparison_views
 from asterism.results.files import write_file
 from asterism.shape.comparison import compare_shapes

@@ -212,7 +212,7 @@ CASES = [
     (["report", "d.toml"], "d-report.pdf/", "reports.design_report.prepare"),
     (["sweep", "d.toml", *VARY], "d-sweep/sweep.html/", "sweeps.sweep.sweep_design"),
     (["sweep", "d.toml", *VARY], "d-sweep/designs", "sweeps.sweep.sweep_design"),
-    (["compare", "d", "scan.obj"], "scan-compared/compare.png/", "measure.compare.compare.compare"),
+    (["compare", "d", "scan.obj"], "scan-compared/compare.png/", "measure.compare.compare"),
     (["compare-designs", "d.toml", "d.toml", "-o", "p.html"], "p.html/", "reports.compare_designs.prepare"),
     ([*FIT, "f.toml"], "f.toml/", "fitting.target_files.load_target"),
     ([*FIT, "f.toml"], "f-fit/target.obj/", "fitting.target_files.load_target"),

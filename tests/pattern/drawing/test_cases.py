@@ -13,8 +13,8 @@ import ezdxf
 import numpy as np
 import pytest
 
-from asterism.measure.compare.outline import read_outline
-from asterism.measure.compare.scan import ScanError
+from asterism.measure.outline import read_outline
+from asterism.measure.scan import ScanError
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.drawing.read import Drawing, read_drawing

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from asterism.equilibrium.arrays import Floats
-from asterism.measure.compare.scan import surface_samples
+from asterism.measure.scan import surface_samples
 from asterism.shape.shape import Shape
 from tests.asterism.sheets import sheet
 

@@ -10,7 +10,7 @@ import pytest
 import trimesh
 from PIL import Image
 
-from asterism.measure.compare.outline import silhouette
+from asterism.measure.outline import silhouette
 from asterism.pattern.geometry.diameter import diameter
 from asterism.shape.vtu import write_shape_vtu
 from tests.asterism.commands import Cli

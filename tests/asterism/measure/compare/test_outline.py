@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 import shapely
 
-from asterism.measure.compare.outline import fit_outline, read_outline, silhouette
-from asterism.measure.compare.scan import ScanError
+from asterism.measure.outline import fit_outline, read_outline, silhouette
+from asterism.measure.scan import ScanError
 from asterism.results.csv_cells import TableError
 from tests.asterism.sheets import dome, flat, sheet, tube
 

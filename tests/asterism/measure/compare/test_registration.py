@@ -10,9 +10,9 @@ import trimesh
 from scipy.spatial import Delaunay
 
 from asterism.equilibrium.arrays import Floats
-from asterism.measure.compare.compare import compare_scan, fitted_size
-from asterism.measure.compare.registration import register
-from asterism.measure.compare.scan import Scan
+from asterism.measure.compare import compare_scan, fitted_size
+from asterism.measure.registration import register
+from asterism.measure.scan import Scan
 from asterism.pattern import gallery
 from asterism.pattern.geometry.diameter import diameter
 from asterism.pattern.geometry.normals import vertex_normals

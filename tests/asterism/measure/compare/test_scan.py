@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import trimesh
 
-from asterism.measure.compare.scan import ScanError, check_size, extents, read_scan, read_surface, surface_samples
+from asterism.measure.scan import ScanError, check_size, extents, read_scan, read_surface, surface_samples
 from tests.asterism.measure.compare.scans import bent_sheet
 
 SHAPE = bent_sheet(5.0)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from asterism.measure.strips.strip_table import Reading, arc_box, arc_curvature
+from asterism.measure.strip_table import Reading, arc_box, arc_curvature
 from asterism.pattern.design.materials import Fabric, Plastic, rest_curvature
 from asterism.process.settings import THICKNESSES_MM
 

@@ -13,8 +13,8 @@ from PIL import Image
 
 from asterism.homogenize.law.material import load_material
 from asterism.laws.from_files import with_material
-from asterism.measure.strips.fit_strips import fit_strips, write_material
-from asterism.measure.strips.strip_table import Reading, arc_box
+from asterism.measure.fit_strips import fit_strips, write_material
+from asterism.measure.strip_table import Reading, arc_box
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.spread import Spread

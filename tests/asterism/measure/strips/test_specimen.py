@@ -15,8 +15,8 @@ import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 
-from asterism.measure.strips.new_strips import BED_MARGIN_MM, STRIP_GAP_MM, lay_out_strips, layer_heights, new_strips
-from asterism.measure.strips.strip_table import read_strips
+from asterism.measure.new_strips import BED_MARGIN_MM, STRIP_GAP_MM, lay_out_strips, layer_heights, new_strips
+from asterism.measure.strip_table import read_strips
 from asterism.pattern.design.errors import DesignError
 from asterism.print.printer import load_printer
 from asterism.process.settings import THICKNESSES_MM, StripFitSettings, StripPrintSettings

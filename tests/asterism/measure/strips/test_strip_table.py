@@ -12,14 +12,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import binom
 
-from asterism.measure.strips.strip_fit import (
+from asterism.measure.strip_fit import (
     FORMULAS,
     StripFit,
     UndeterminedMaterialError,
     fit_directions,
     fit_readings,
 )
-from asterism.measure.strips.strip_table import (
+from asterism.measure.strip_table import (
     STRIP_COLUMNS,
     Reading,
     arc_box,

@@ -18,7 +18,7 @@ from scipy.stats import t as student
 
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.equilibrium.errors import Error
-from asterism.measure.strips.strip_table import DIRECTIONS, Reading
+from asterism.measure.strip_table import DIRECTIONS, Reading
 from asterism.pattern.design.errors import from_validation
 from asterism.pattern.design.materials import Plastic, bilayer_curvature
 from asterism.process.settings import KappaBarKind, StripFitSettings, StripFormula

@@ -18,8 +18,8 @@ from matplotlib.figure import Figure
 
 from asterism.draw.fonts import write_title
 from asterism.draw.style import PALE, add_grid, style_axes
-from asterism.measure.strips.strip_fit import CONFIDENCE, FLAT_HEIGHT_MM, StripFit, fit_directions
-from asterism.measure.strips.strip_table import Reading, read_strips
+from asterism.measure.strip_fit import CONFIDENCE, FLAT_HEIGHT_MM, StripFit, fit_directions
+from asterism.measure.strip_table import Reading, read_strips
 from asterism.pattern.design.errors import check_type, one_line
 from asterism.pattern.design.materials import (
     Fabric,
@@ -174,7 +174,7 @@ def fit_strips(table: str | Path, settings: StripFitSettings | None = None) -> F
     --------
     >>> import tempfile
     >>> from pathlib import Path
-    >>> from asterism.measure.strips.fit_strips import StripFitSettings, fit_strips
+    >>> from asterism.measure.fit_strips import StripFitSettings, fit_strips
     >>> rows = ["strip,thickness_mm,length_mm,curvature_per_mm,peeled_curvature_per_mm"]
     >>> rows += ["1,0.3,60,0.0302,0.003", "2,0.3,60,0.0298,0.0031", "3,0.4,60,0.0170,0.0029", "4,0.4,60,0.0174,0.003"]
     >>> table = Path(tempfile.mkdtemp()) / "strips.csv"

@@ -15,7 +15,7 @@ from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from asterism.equilibrium.arrays import Floats, Ints
-from asterism.measure.compare.scan import surface_samples
+from asterism.measure.scan import surface_samples
 from asterism.pattern.geometry.diameter import diameter
 from asterism.pattern.geometry.rigid_fit import rigid_fit
 from asterism.shape.surface import NearestOnSurface

@@ -11,7 +11,7 @@ import numpy as np
 import shapely
 
 from asterism.equilibrium.arrays import Floats, Ints
-from asterism.measure.strips.strip_table import BOX_COLUMNS, DIRECTION_COLUMN, KNOWN_COLUMNS, Direction, arc_box
+from asterism.measure.strip_table import BOX_COLUMNS, DIRECTION_COLUMN, KNOWN_COLUMNS, Direction, arc_box
 from asterism.pattern.design.errors import DesignError, check_type
 from asterism.pattern.design.materials import Fabric, Plastic, rest_curvature
 from asterism.pattern.design.rounding import Rounding
@@ -265,7 +265,7 @@ def new_strips(directory: str | Path, settings: StripPrintSettings | None = None
     Examples
     --------
     >>> import tempfile
-    >>> from asterism.measure.strips.new_strips import StripPrintSettings, new_strips
+    >>> from asterism.measure.new_strips import StripPrintSettings, new_strips
     >>> written = new_strips(tempfile.mkdtemp(), StripPrintSettings(count=2))
     >>> len(written.strips), written.layers_mm, written.z_offset_mm
     (8, (0.3, 0.05), 4.8)

@@ -23,9 +23,9 @@ from asterism.draw.render import render
 from asterism.draw.scene import bare, drawn_size, sheet_camera
 from asterism.draw.style import INK, PALE, style_axes
 from asterism.equilibrium.arrays import Floats, Ints
-from asterism.measure.compare.outline import OUTLINE_FORMATS, OutlineFit, fit_outline, read_outline, silhouette
-from asterism.measure.compare.registration import Pose, distinct_poses, register
-from asterism.measure.compare.scan import Scan, ScanError, check_file, check_size, extents, read_scan
+from asterism.measure.outline import OUTLINE_FORMATS, OutlineFit, fit_outline, read_outline, silhouette
+from asterism.measure.registration import Pose, distinct_poses, register
+from asterism.measure.scan import Scan, ScanError, check_file, check_size, extents, read_scan
 from asterism.pattern.design.errors import one_line
 from asterism.pattern.geometry.diameter import diameter
 from asterism.process.version import __version__

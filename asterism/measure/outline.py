@@ -13,8 +13,8 @@ from scipy.spatial.transform import Rotation
 
 from asterism.draw.scene import VIEWS, camera
 from asterism.equilibrium.arrays import Floats
-from asterism.measure.compare.registration import SPREAD, Pose, closest_points
-from asterism.measure.compare.scan import MM, ScanError, check_file
+from asterism.measure.registration import SPREAD, Pose, closest_points
+from asterism.measure.scan import MM, ScanError, check_file
 from asterism.pattern.drawing.read import MEET_MM, closed_curves, read_drawing
 from asterism.pattern.drawing.records import DrawingError, NoUnitError
 from asterism.pattern.geometry.planar import polygon_area
