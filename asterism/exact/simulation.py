@@ -52,81 +52,6 @@ BY_ENERGY = "lowest energy"
 BY_ENERGY_ON_BRANCH = "lowest energy of those whose stars are all on their branch"
 
 
-def one_minimum(model: DiscreteModel, equilibrium: Equilibrium, near: bool = False) -> StartsRecord:
-    """The record of a single start: the default one, or, if `near`, a shape that the caller gave."""
-    axis = roll_axis_deg(model, equilibrium.state)
-    entry = MinimumRecord(energy_n_mm=equilibrium.energy, stars_up=equilibrium.stars_up, roll_axis_deg=axis, starts=1)
-    return StartsRecord(
-        starts=1,
-        result_is="from a shape that was given" if near else FROM_DEFAULT_START,
-        minima_seen=1,
-        minima=[entry],
-        next_minimum_percent=None,
-    )
-
-
-def many_minima(minima: Minima, starts: int) -> StartsRecord:
-    """The record of many starts."""
-    fine, coarse = minima.fine, minima.coarse
-    not_carried = minima.refined.count(False)
-    return several_minima(
-        [_entry(each, minima) for each in fine],
-        [[minima.distance_percent(a, b) for b in fine] for a in fine],
-        fine[0].equilibrium.energies.get("gravity", 0.0),
-        not_carried,
-        starts=starts,
-        starts_lost=minima.lost_starts,
-        symmetries=len(minima.symmetries),
-        minima_coarse=[_entry(b, minima) | {"carried": kept} for b, kept in zip(coarse, minima.refined, strict=True)],
-    )
-
-
-def several_minima(
-    entries: Sequence[MinimumRecord],
-    distances_percent: list[list[float]],
-    gravity_n_mm: float,
-    not_carried: int = 0,
-    **more: Any,
-) -> StartsRecord:
-    """The record of distinct minima, of which the first is the result.
-
-    Parameters
-    ----------
-    gravity_n_mm : the part of gravity in the energy of the result. Its zero level is arbitrary, so that energies are
-        compared relative to the rest.
-    more : keys about the starts.
-    """
-    lowest, others = entries[0].energy_n_mm, [each.energy_n_mm for each in entries[1:]]
-    higher, elastic = min(others) - lowest if others else None, lowest - gravity_n_mm
-    return StartsRecord(
-        result_is=BY_ENERGY if higher is None or higher >= 0.0 else BY_ENERGY_ON_BRANCH,
-        minima_seen=len(entries) + not_carried,
-        minima_not_carried=not_carried,
-        next_minimum_percent=None if higher is None else 100.0 * higher / elastic if elastic else math.inf,
-        next_minimum_n_mm=higher,
-        minima=[each | {"file": f"minimum-{k}" if k > 1 else "shape"} for k, each in enumerate(entries, 1)],
-        minima_distance_percent=distances_percent,
-        **more,
-    )
-
-
-def _entry(branch: ExactForm, minima: Minima) -> MinimumRecord:
-    equilibrium = branch.equilibrium
-    return MinimumRecord(
-        energy_n_mm=equilibrium.energy,
-        is_minimum=equilibrium.is_minimum,
-        stars_up=equilibrium.stars_up,
-        stars_off_branch=len(branch.stars_off_branch),
-        roll_axis_deg=branch.roll_axis_deg,
-        starts=len(branch.starts),
-        start_names=list(branch.starts),
-        default=branch.default,
-        distance_percent=minima.distance_percent(minima.fine[0], branch),
-        smallest_eigenvalue=equilibrium.smallest_eigenvalue,
-        vertices=branch.model.n_vertices,
-    )
-
-
 @one_blas_thread()
 def exact_shape(
     design: Design,
@@ -260,6 +185,36 @@ def _shape(ladder: Ladder, equilibrium: Equilibrium, levels: list[MeshLevel], mo
     )
 
 
+def exact_warnings(record: ExactRecord, design: Design, layout: Layout) -> list[str]:
+    """One line for each warning. The record holds every entry but `warnings`."""
+    lines = []
+    if not record.converged:
+        gradient = f"gradient {record.gradient_norm:.1e} N is above {record.gradient_tolerance:.1e} N"
+        lines.append(f"not an equilibrium: {gradient}")
+    elif not record.is_minimum:
+        lines.append(f"not a minimum: smallest eigenvalue {record.smallest_eigenvalue:.1e} N/mm is not positive")
+    if pairs := record.self_intersections:
+        remedy = "; --contact prevents this" if record.self_contact is None else ""
+        lines.append(f"{passing(pairs)}{remedy}")
+    # a search that ended at its largest mesh, above its tolerance
+    error, tolerance = record.mesh_error_percent, record.mesh_tolerance_percent
+    ended = f"the search ended at {record.vertices} vertices"
+    if tolerance is not None and error is not None and error > tolerance:
+        lines.append(f"the mesh error, about {error:.1f} %, is above the tolerance of {tolerance:g} %: {ended}")
+    elif tolerance is not None and record.mesh_forms_differ:
+        change = f"{record.mesh_change_percent:.1f} % of the diameter apart"
+        lines.append(f"the last two meshes have different forms, {change}: {ended}")
+    rolls = not layout.is_supported_in_plane and record.roll_axis_deg is not None
+    # edge length over the spacing of the stars, above which the radius of a free roll depends on the mesh of hinges
+    if rolls and design.fabric.bending_follows_mesh and record.edge_mm > 0.03 * layout.spacing_mm:
+        depends = "the radius of a free roll depends on the mesh"
+        lines.append(
+            f"{depends}: for the gallery's tube it differs by a quarter between edges of 2 mm and 0.5 mm (docs: mesh)"
+        )
+    of_design = [*site_warnings(layout), *sizing_warnings(design, layout), *pin_warnings(layout, design.gravity.on)]
+    return [*lines, *off_branch(record), *of_design]
+
+
 def _grounded(model: DiscreteModel, positions: np.ndarray) -> np.ndarray:
     """(V, 3) mm. If the supports leave the height free, the lowest supported vertex moves to z = 0."""
     held = model.constraints.held
@@ -362,31 +317,76 @@ def line_forces(model: DiscreteModel, state: State) -> dict[str, Floats]:
     return {"peel_n_per_mm": -model.edge_side * off, "shear_n_per_mm": np.hypot(along, across)}
 
 
-def exact_warnings(record: ExactRecord, design: Design, layout: Layout) -> list[str]:
-    """One line for each warning. The record holds every entry but `warnings`."""
-    lines = []
-    if not record.converged:
-        gradient = f"gradient {record.gradient_norm:.1e} N is above {record.gradient_tolerance:.1e} N"
-        lines.append(f"not an equilibrium: {gradient}")
-    elif not record.is_minimum:
-        lines.append(f"not a minimum: smallest eigenvalue {record.smallest_eigenvalue:.1e} N/mm is not positive")
-    if pairs := record.self_intersections:
-        remedy = "; --contact prevents this" if record.self_contact is None else ""
-        lines.append(f"{passing(pairs)}{remedy}")
-    # a search that ended at its largest mesh, above its tolerance
-    error, tolerance = record.mesh_error_percent, record.mesh_tolerance_percent
-    ended = f"the search ended at {record.vertices} vertices"
-    if tolerance is not None and error is not None and error > tolerance:
-        lines.append(f"the mesh error, about {error:.1f} %, is above the tolerance of {tolerance:g} %: {ended}")
-    elif tolerance is not None and record.mesh_forms_differ:
-        change = f"{record.mesh_change_percent:.1f} % of the diameter apart"
-        lines.append(f"the last two meshes have different forms, {change}: {ended}")
-    rolls = not layout.is_supported_in_plane and record.roll_axis_deg is not None
-    # edge length over the spacing of the stars, above which the radius of a free roll depends on the mesh of hinges
-    if rolls and design.fabric.bending_follows_mesh and record.edge_mm > 0.03 * layout.spacing_mm:
-        depends = "the radius of a free roll depends on the mesh"
-        lines.append(
-            f"{depends}: for the gallery's tube it differs by a quarter between edges of 2 mm and 0.5 mm (docs: mesh)"
-        )
-    of_design = [*site_warnings(layout), *sizing_warnings(design, layout), *pin_warnings(layout, design.gravity.on)]
-    return [*lines, *off_branch(record), *of_design]
+def one_minimum(model: DiscreteModel, equilibrium: Equilibrium, near: bool = False) -> StartsRecord:
+    """The record of a single start: the default one, or, if `near`, a shape that the caller gave."""
+    axis = roll_axis_deg(model, equilibrium.state)
+    entry = MinimumRecord(energy_n_mm=equilibrium.energy, stars_up=equilibrium.stars_up, roll_axis_deg=axis, starts=1)
+    return StartsRecord(
+        starts=1,
+        result_is="from a shape that was given" if near else FROM_DEFAULT_START,
+        minima_seen=1,
+        minima=[entry],
+        next_minimum_percent=None,
+    )
+
+
+def many_minima(minima: Minima, starts: int) -> StartsRecord:
+    """The record of many starts."""
+    fine, coarse = minima.fine, minima.coarse
+    not_carried = minima.refined.count(False)
+    return several_minima(
+        [_entry(each, minima) for each in fine],
+        [[minima.distance_percent(a, b) for b in fine] for a in fine],
+        fine[0].equilibrium.energies.get("gravity", 0.0),
+        not_carried,
+        starts=starts,
+        starts_lost=minima.lost_starts,
+        symmetries=len(minima.symmetries),
+        minima_coarse=[_entry(b, minima) | {"carried": kept} for b, kept in zip(coarse, minima.refined, strict=True)],
+    )
+
+
+def several_minima(
+    entries: Sequence[MinimumRecord],
+    distances_percent: list[list[float]],
+    gravity_n_mm: float,
+    not_carried: int = 0,
+    **more: Any,
+) -> StartsRecord:
+    """The record of distinct minima, of which the first is the result.
+
+    Parameters
+    ----------
+    gravity_n_mm : the part of gravity in the energy of the result. Its zero level is arbitrary, so that energies are
+        compared relative to the rest.
+    more : keys about the starts.
+    """
+    lowest, others = entries[0].energy_n_mm, [each.energy_n_mm for each in entries[1:]]
+    higher, elastic = min(others) - lowest if others else None, lowest - gravity_n_mm
+    return StartsRecord(
+        result_is=BY_ENERGY if higher is None or higher >= 0.0 else BY_ENERGY_ON_BRANCH,
+        minima_seen=len(entries) + not_carried,
+        minima_not_carried=not_carried,
+        next_minimum_percent=None if higher is None else 100.0 * higher / elastic if elastic else math.inf,
+        next_minimum_n_mm=higher,
+        minima=[each | {"file": f"minimum-{k}" if k > 1 else "shape"} for k, each in enumerate(entries, 1)],
+        minima_distance_percent=distances_percent,
+        **more,
+    )
+
+
+def _entry(branch: ExactForm, minima: Minima) -> MinimumRecord:
+    equilibrium = branch.equilibrium
+    return MinimumRecord(
+        energy_n_mm=equilibrium.energy,
+        is_minimum=equilibrium.is_minimum,
+        stars_up=equilibrium.stars_up,
+        stars_off_branch=len(branch.stars_off_branch),
+        roll_axis_deg=branch.roll_axis_deg,
+        starts=len(branch.starts),
+        start_names=list(branch.starts),
+        default=branch.default,
+        distance_percent=minima.distance_percent(minima.fine[0], branch),
+        smallest_eigenvalue=equilibrium.smallest_eigenvalue,
+        vertices=branch.model.n_vertices,
+    )

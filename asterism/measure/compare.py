@@ -341,9 +341,6 @@ def write_comparison(comparison: MeasuredComparison, directory: str | Path) -> l
 
 
 SIGNED_DISTANCE_COLOURS = colormaps["RdBu_r"]
-# resolution of the picture, and its size in inches
-_DPI = 100
-_WIDTH_IN, _HEIGHT_IN = 16.0, 8.6
 
 
 def draw_scan(comparison: ScanComparison, title: str, path_or_file: str | Path | IO[bytes]) -> None:
@@ -363,17 +360,18 @@ def draw_scan(comparison: ScanComparison, title: str, path_or_file: str | Path |
     colours = np.where(np.isnan(distance)[:, None], (0.86, 0.86, 0.88), scale.to_rgba(distance)[:, :3])
     sheet = bare(comparison.shape.positions, comparison.shape.triangles, colours)
     view = sheet_camera("oblique", positions)
-    room = np.array([0.46 * _WIDTH_IN, 0.68 * _HEIGHT_IN]) * _DPI
+    pixels = figure.bbox.size
+    room = np.array([0.46, 0.68]) * pixels
     image = render(sheet, view, float((room / drawn_size(sheet, view)).min()))
     height, width = image.shape[:2]
     canvas = image[..., 3:] * image[..., :3] + 1 - image[..., 3:]
-    left, bottom = 0.27 * _WIDTH_IN * _DPI - width / 2, 0.5 * _HEIGHT_IN * _DPI - height / 2
+    left, bottom = np.array([0.27, 0.5]) * pixels - np.array([width, height]) / 2
     figure.figimage(canvas, left, bottom, origin="lower")
     for along, place in ((0, (0.56, 0.66, 0.42, 0.2)), (1, (0.56, 0.37, 0.42, 0.2))):
         _section(figure.add_axes(place), comparison, along, float((low + high)[1 - along] / 2))
     below = "mm, positive on the plastic side"
     _histogram(figure.add_axes((0.56, 0.09, 0.42, 0.19)), used, "points of the scan at each distance", below)
-    figure.savefig(path_or_file, format="png", dpi=_DPI)
+    figure.savefig(path_or_file, format="png")
 
 
 def draw_outline(outline_fit: OutlineFit, title: str, words: str, path_or_file: str | Path | IO[bytes]) -> None:
@@ -393,11 +391,11 @@ def draw_outline(outline_fit: OutlineFit, title: str, words: str, path_or_file: 
     _histogram(below, outline_fit.distance, "length of outline at each distance", "mm")
     for narrow in figure.axes[1:]:  # they have room for four numbers
         narrow.xaxis.set_major_locator(MaxNLocator(4))
-    figure.savefig(path_or_file, format="png", dpi=_DPI)
+    figure.savefig(path_or_file, format="png")
 
 
 def _figure(title: str, words: str) -> Figure:
-    figure = Figure(figsize=(_WIDTH_IN, _HEIGHT_IN), dpi=_DPI, facecolor="white")
+    figure = Figure(figsize=(16.0, 8.6), dpi=100, facecolor="white")
     FigureCanvasAgg(figure)
     write_title(figure, 0.025, 0.945, title, 15 * min(1.0, 90 / max(len(title), 1)))
     figure.text(0.025, 0.91, words, fontsize=10, color=PALE, parse_math=False)

@@ -15,6 +15,13 @@ from asterism.equilibrium.errors import one_line
 if TYPE_CHECKING:
     from asterism.homogenize.campaign.workers import CampaignProgress
 
+# called with each line about the progress
+Say = Callable[[str], None]
+
+
+def ignore_line(text: str) -> None:
+    """Do nothing with a line: the listener where none is given."""
+
 
 # longest silence: then a line says that the computation goes on
 MAX_QUIET_S = 4.0
@@ -130,11 +137,3 @@ def without_numbers(problem: str) -> str:
     """
     words = [w for w in problem.split() if not any(c.isdigit() for c in w)]
     return " ".join(words).rstrip(":,")
-
-
-# called with each line about the progress
-Say = Callable[[str], None]
-
-
-def ignore_line(text: str) -> None:
-    """Do nothing with a line: the listener where none is given."""

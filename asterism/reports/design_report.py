@@ -154,9 +154,7 @@ PAGE_MM = np.array(A4_MM)
 # empty border of the page
 _MARGIN_MM = 15.0
 RED = "#c8553d"
-NOTES, DOUBTS = DrawingLayer("notes", PALE), DrawingLayer("doubts", RED)
-SHEET, BELOW = DrawingLayer("sheet", "#f3f1ea", filled=True), DrawingLayer("below", PALE, filled=True)
-DOTS = replace(NEEDLES, colour=RED, filled=True)
+NOTES = DrawingLayer("notes", PALE)
 # size of the area for the layout, and its lower left corner on the page
 LAYOUT_MM = np.array([112.0, 122.0])
 LAYOUT_AT = np.array([83.0, 42.0])
@@ -202,7 +200,8 @@ def _warnings(texts: Sequence[str]) -> list[Label]:
     lines = [line for text in texts for line in textwrap.wrap(text, 145)]
     if len(lines) > 3:
         lines = [*lines[:2], "... and more: see the summary of the results"]
-    return [_text(_MARGIN_MM, 181.5 - 3.2 * k, line, 2.3, DOUBTS) for k, line in enumerate(lines)]
+    pen = DrawingLayer("doubts", RED)
+    return [_text(_MARGIN_MM, 181.5 - 3.2 * k, line, 2.3, pen) for k, line in enumerate(lines)]
 
 
 def _facts(facts: Facts) -> Iterator[Label]:
@@ -230,19 +229,21 @@ def _layout(job: Job) -> tuple[list[Polyline | Circle | Label], float]:
     def on_page(places: Floats) -> Floats:
         return (np.asarray(places) - (low + high) / 2) / parts + LAYOUT_AT + LAYOUT_MM / 2
 
+    sheet, below = DrawingLayer("sheet", "#f3f1ea", filled=True), DrawingLayer("below", PALE, filled=True)
+    dots = replace(NEEDLES, colour=RED, filled=True)
     holes = tuple(map(on_page, job.plan.holes))
-    items: list[Polyline | Circle | Label] = [Polyline(SHEET, on_page(border), closed=True, holes=holes)]
+    items: list[Polyline | Circle | Label] = [Polyline(sheet, on_page(border), closed=True, holes=holes)]
     items += [Polyline(NOTES, ring, closed=True) for ring in (on_page(border), *holes)]
     for piece in (*job.arms, *job.rods):
-        items += areas(shapely.transform(piece.region, on_page), STARS if piece.side > 0 else BELOW)
+        items += areas(shapely.transform(piece.region, on_page), STARS if piece.side > 0 else below)
     for needle in job.needles[:200]:
-        items.append(Circle(DOTS, on_page(needle.printed), 1.0))
+        items.append(Circle(dots, on_page(needle.printed), 1.0))
         if len(job.needles) <= MAX_LISTED_NEEDLES:
             # the number stands towards the middle, so that it stays within the drawing
             inwards = (low + high) / 2 - needle.printed
             far = float(np.linalg.norm(inwards))
             at = needle.printed + 4.0 * parts * (inwards / far if far > 4.0 * parts else np.array([0.0, 1.0]))
-            items.append(Label(DOTS, on_page(at) - [0.0, 1.0], str(needle.number), 2.8, "middle", bold=True))
+            items.append(Label(dots, on_page(at) - [0.0, 1.0], str(needle.number), 2.8, "middle", bold=True))
     head = f"Layout 1:{parts:g}, on the stretched fabric, " + ("plastic below grey" if job.below else "plastic side")
     items.append(_text(LAYOUT_AT[0], LAYOUT_AT[1] + LAYOUT_MM[1] + 5.0, head, 3.3, bold=True))
     return items, float(parts)
