@@ -229,7 +229,7 @@ def sweep(
     from asterism.process.progress import CountLine
     from asterism.results.files import check_folder
     from asterism.sweeps.parameters import SweepParameter
-    from asterism.sweeps.solve_point import sweep_cost
+    from asterism.sweeps.point import sweep_cost
     from asterism.sweeps.sweep import check_model, sampled, sweep_parameters
 
     check_workers(jobs, dask)

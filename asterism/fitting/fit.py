@@ -18,7 +18,7 @@ from asterism.pattern.layout.build import layout
 from asterism.previews.law_choice import paper_law
 from asterism.previews.session import preview
 from asterism.print.printer import Printer
-from asterism.print.rounded import choose_rounding, with_rounding
+from asterism.print.rounding import choose_rounding, with_rounding
 from asterism.process.progress import Say, ignore_line
 from asterism.process.settings import FitSettings
 from asterism.process.version import __version__

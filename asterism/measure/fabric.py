@@ -15,7 +15,7 @@ from asterism.pattern.design.design import GRAVITY_M_S2
 from asterism.pattern.design.errors import DesignError
 from asterism.print.drawing import A4_MM, TEXT, Drawing, DrawingLayer, Label, Polyline, rectangle
 from asterism.print.formats.pdf import write_pdf
-from asterism.results.csv_cells import TableError, read_rows
+from asterism.results.csv_table import TableError, read_rows
 from asterism.results.files import OutputError, staged
 
 

@@ -22,7 +22,7 @@ from asterism.print.formats.pdf import write_pdf
 from asterism.print.formats.threemf import write_3mf
 from asterism.print.instructions import homing_advice
 from asterism.print.printer import Printer, adjusted_printer
-from asterism.print.rounded import MAX_LAYER_OVER_LINE
+from asterism.print.rounding import MAX_LAYER_OVER_LINE
 from asterism.print.solid import Solid, Terrace, terraced_solid
 from asterism.process.settings import ExportSettings, StripPrintSettings
 from asterism.results.files import OutputError, staged

@@ -18,7 +18,7 @@ from asterism.measure.scan import MM, ScanError, check_file
 from asterism.pattern.drawing.read import MEET_MM, closed_curves, read_drawing
 from asterism.pattern.drawing.records import DrawingError, NoUnitError
 from asterism.pattern.geometry.planar import polygon_area
-from asterism.results.csv_cells import read_rows
+from asterism.results.csv_table import read_rows
 from asterism.results.records.comparison import OutlineDistancesRecord
 from asterism.shape.shape import Shape
 

@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.stars import THICKNESS_RANGE_MM
 from asterism.process.settings import StripFitSettings
-from asterism.results.csv_cells import Row, TableError, read_rows
+from asterism.results.csv_table import Row, TableError, read_rows
 
 # columns that are known before the measurement
 KNOWN_COLUMNS = ("strip", "thickness_mm", "length_mm", "stretch", "fabric_thickness_mm")

@@ -30,7 +30,7 @@ from asterism.print.formats.registry import (
 )
 from asterism.print.job import Job, prepare, with_shape
 from asterism.print.printer import PlasticProfile, adjusted_printer, load_plastic, load_printer
-from asterism.print.rounded import better_layers, tiny_pieces
+from asterism.print.rounding import better_layers, tiny_pieces
 from asterism.process.progress import Say
 from asterism.process.settings import ExportSettings
 from asterism.results.files import EXPORT_COMPANIONS, EXPORT_SUMMARY_FILE, holds_result, staged

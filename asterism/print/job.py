@@ -19,7 +19,7 @@ from asterism.pattern.layout.layout import Layout, off_sheet_mm
 from asterism.print.bed_placement import BedPlacement, place_on_bed, room_mm
 from asterism.print.needles import Needle, needles, needles_in_plastic
 from asterism.print.printer import PlasticProfile, Printer
-from asterism.print.rounded import choose_rounding, rounded_layout, size_changes, with_rounding
+from asterism.print.rounding import choose_rounding, rounded_layout, size_changes, with_rounding
 from asterism.print.solid import (
     Piece,
     Solid,

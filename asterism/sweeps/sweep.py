@@ -38,7 +38,7 @@ from asterism.sweeps.parameters import (
     latin_hypercube,
     with_whole_ranges,
 )
-from asterism.sweeps.solve_point import SmallPicture, named_law, quantities, solve_point, sweep_code_version
+from asterism.sweeps.point import SmallPicture, named_law, quantities, solve_point, sweep_code_version
 
 # values by path, or parameters
 Vary = Mapping[str, str | Sequence[Any]] | Sequence[SweepParameter]

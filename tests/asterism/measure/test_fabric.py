@@ -24,7 +24,7 @@ from asterism.measure.fabric import (
 from asterism.pattern.design.design import GRAVITY_M_S2
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.materials import Fabric
-from asterism.results.csv_cells import TableError
+from asterism.results.csv_table import TableError
 from asterism.results.files import OutputError
 from tests.asterism.commands import Cli
 

@@ -19,7 +19,7 @@ from asterism.print.export import PrintExport, export
 from asterism.print.formats.drawings import write_dxf
 from asterism.print.job import Job
 from asterism.print.needles import needles_near_edge
-from asterism.print.rounded import tiny_pieces
+from asterism.print.rounding import tiny_pieces
 from asterism.print.sheets import middle_lines
 from asterism.process.settings import ExportSettings
 from tests.asterism.commands import Cli

@@ -15,7 +15,7 @@ from asterism.print import instructions, sheets
 from asterism.print.drawing import Circle, Drawing, Label
 from asterism.print.job import Job
 from asterism.print.needles import needles_in_plastic, needles_near_edge
-from asterism.print.rounded import tiny_pieces
+from asterism.print.rounding import tiny_pieces
 from tests.asterism.print.jobs import design, job
 
 

@@ -23,7 +23,7 @@ from asterism.print.formats.needle_table import write_needle_table
 from asterism.print.job import Job, print_cost
 from asterism.print.needles import needles
 from asterism.print.printer import adjusted_printer, load_printer
-from asterism.print.rounded import better_layers, choose_rounding, size_changes
+from asterism.print.rounding import better_layers, choose_rounding, size_changes
 from asterism.print.solid import height_steps
 from asterism.process.settings import ExportSettings
 from tests.asterism.print.jobs import Run, design, job, mistake

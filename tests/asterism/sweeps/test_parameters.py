@@ -10,7 +10,7 @@ import pytest
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.sweeps.parameters import SweepError, SweepParameter, check_parameters, grid, latin_hypercube
-from asterism.sweeps.solve_point import MOTIF_CELL_S, MOTIF_PREVIEW_S, START_S, sweep_cost
+from asterism.sweeps.point import MOTIF_CELL_S, MOTIF_PREVIEW_S, START_S, sweep_cost
 from asterism.sweeps.sweep import check_model, sweep_design, sweep_parameters
 
 

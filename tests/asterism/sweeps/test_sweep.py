@@ -18,7 +18,7 @@ import asterism
 from asterism.homogenize.campaign.workers import CampaignProgress
 from asterism.homogenize.law.law_file import PAPER_LAW
 from asterism.pattern.design.design import Design
-from asterism.sweeps.solve_point import named_law
+from asterism.sweeps.point import named_law
 from asterism.sweeps.sweep import Sweep, sweep_csv, sweep_design, write_sweep
 from tests.asterism.commands import Cli
 from tests.homogenize import same_process

@@ -14,7 +14,7 @@ from PIL import Image
 from asterism.pattern import gallery
 from asterism.results.records.fit import SweepRowRecord
 from asterism.sweeps.parameters import SweepParameter
-from asterism.sweeps.solve_point import quantities
+from asterism.sweeps.point import quantities
 from asterism.sweeps.sweep import SWEEP_PAGE, Sweep, write_sweep
 
 # of a colour of the page's body, from 0 to 1

@@ -10,7 +10,7 @@ import shapely
 
 from asterism.measure.outline import fit_outline, read_outline, silhouette
 from asterism.measure.scan import ScanError
-from asterism.results.csv_cells import TableError
+from asterism.results.csv_table import TableError
 from tests.asterism.sheets import dome, flat, sheet, tube
 
 SVG = '<svg xmlns="http://www.w3.org/2000/svg" {size}>{body}</svg>'

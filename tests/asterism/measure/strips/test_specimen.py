@@ -20,7 +20,7 @@ from asterism.measure.strip_table import read_strips
 from asterism.pattern.design.errors import DesignError
 from asterism.print.printer import load_printer
 from asterism.process.settings import THICKNESSES_MM, StripFitSettings, StripPrintSettings
-from asterism.results.csv_cells import TableError
+from asterism.results.csv_table import TableError
 from tests.asterism.commands import Cli
 
 BED = (223.0, 223.0)

@@ -30,7 +30,7 @@ from asterism.measure.strip_table import (
 )
 from asterism.pattern.design.materials import Fabric, Plastic, rest_curvature
 from asterism.process.settings import THICKNESSES_MM, KappaBarKind, StripFitSettings, StripFormula
-from asterism.results.csv_cells import TableError
+from asterism.results.csv_table import TableError
 from tests.asterism.measure.strips.synthetic import synthetic_readings
 
 HEAD = "strip,thickness_mm,length_mm,stretch,fabric_thickness_mm,box_width_mm,box_height_mm"
