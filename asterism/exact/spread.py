@@ -32,7 +32,7 @@ from asterism.pattern.design.stars import THICKNESS_RANGE_MM
 from asterism.pattern.geometry.diameter import diameter
 from asterism.pattern.geometry.point_location import locate
 from asterism.pattern.layout.build import layout
-from asterism.pattern.layout.layout import Layout, off_sheet_mm
+from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.symmetries import symmetries
 from asterism.process.progress import Say, ignore_line
 from asterism.results.records.exact import (
@@ -250,7 +250,7 @@ class _Search:
 
     def __init__(self, shape: Shape, model: DiscreteModel, backend: str, report: Report | None, say: Say) -> None:
         self.shape, self.model, self.backend, self.report, self.say = shape, model, backend, report, say
-        surface = shape.at(model.mesh.points, off_sheet_mm(model.layout, len(shape.printed)))
+        surface = shape.at_edges(model.mesh.points)
         self.ends: dict[tuple[str, int], _End] = {}
         self.solves = 0
         self.base = self._solve(model, fit_to_surface(model, surface), "the shape of the design")

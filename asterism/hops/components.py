@@ -19,7 +19,6 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.files import table_text
 from asterism.pattern.design.material_files import material_files
 from asterism.pattern.geometry.planar import dense_outline
-from asterism.pattern.layout.layout import off_sheet_mm
 from asterism.pattern.layout.painted_stars import SIZE_KEYS, with_painted_stars
 from asterism.pattern.layout.star_cells import outline as outline_of
 from asterism.pattern.layout.star_cells import star_cells
@@ -256,12 +255,11 @@ def _drawn(shape: Shape, design: Design) -> dict[str, Any]:
     """Mesh, arms and rim of a shape, and the text of its design."""
     plan = shape.layout
     assert plan is not None
-    off = off_sheet_mm(plan, len(shape.printed))
     rings = [dense_outline(ring) for ring in (plan.outline, *plan.holes)]
     return {
         "mesh": (shape.positions, shape.triangles),
         "arms": [shape.positions[rod] for rod in shape.rods],
-        "rim": [shape.at(np.concatenate([ring, ring[:1]]), off) for ring in rings],
+        "rim": [shape.at_edges(np.concatenate([ring, ring[:1]])) for ring in rings],
         "design": _text(design),
     }
 

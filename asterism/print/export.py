@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -16,7 +15,7 @@ from asterism.pattern.design.errors import DesignError, check_type
 from asterism.pattern.design.materials import Plastic
 from asterism.pattern.geometry.diameter import diameter
 from asterism.pattern.layout.free_motions import free_motions
-from asterism.pattern.layout.layout import Layout, off_sheet_mm
+from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.symmetries import distances_of_images, symmetries
 from asterism.print import instructions, sheets
 from asterism.print.bed_placement import frame_warning
@@ -202,12 +201,11 @@ def shape_change(drawn: Shape, printed: Shape, design: Design, plan: Layout, mod
     shapes: `exact` or `preview`.
     """
     supports = plan.support_samples
-    off_sheet = off_sheet_mm(plan, min(len(drawn.printed), len(printed.printed)))
-    free = free_motions(supports, drawn.at(supports.printed, off_sheet), design.gravity.pull)
+    free = free_motions(supports, drawn.at_edges(supports.printed), design.gravity.pull)
     at, distance = plan.compared_points, 0.0
     if len(at) > 2:
-        before, after_at = drawn.at(at, off_sheet), partial(printed.at, off_sheet_mm=off_sheet)
-        distance = float(distances_of_images(at, before, after_at, symmetries(design, plan), free).min())
+        images = distances_of_images(at, drawn.at_edges(at), printed.at_edges, symmetries(design, plan), free)
+        distance = float(images.min())
     outside = [shape.summary.get("stars_outside_law", ()) for shape in (printed, drawn)]
     change = ShapeChangeRecord(
         model=model,

@@ -14,8 +14,9 @@ from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.rounding import Rounding
+from asterism.pattern.geometry.point_location import off_sheet_mm
 from asterism.pattern.layout.build import layout
-from asterism.pattern.layout.layout import Layout, off_sheet_mm
+from asterism.pattern.layout.layout import Layout
 from asterism.print.bed_placement import BedPlacement, place_on_bed, room_mm
 from asterism.print.needles import Needle, needles, needles_in_plastic
 from asterism.print.printer import PlasticProfile, Printer
@@ -190,8 +191,7 @@ class Job:
         if self.seen is None:
             return None
         needle, height = known[0]
-        off_sheet = off_sheet_mm(self.plan, len(self.seen.printed))
-        base = float(self.seen.at(needle.printed[None], off_sheet)[0, 2] - height)
+        base = float(self.seen.at_edges(needle.printed)[0, 2] - height)
         return max(base - float(self.seen.positions[:, 2].min()), 0.0)
 
     @property
@@ -305,7 +305,7 @@ def _check_same_sheet(design: Design, plan: Layout, shape: Shape) -> None:
     """Refuse a shape of another design: another outline, other stars, or other values in its summary."""
     box, other = (np.array([points.min(axis=0), points.max(axis=0)]) for points in (plan.outline, shape.printed))
     # the mesh has chords of a curved outline
-    if np.abs(box - other).max() > (off_sheet_mm(plan, len(shape.printed)) if plan.rim else 1e-3):
+    if np.abs(box - other).max() > (off_sheet_mm(plan.area_mm2, len(shape.printed)) if plan.rim else 1e-3):
         sides = [" x ".join(f"{side:.1f}" for side in sizes) for sizes in (np.ptp(box, axis=0), np.ptp(other, axis=0))]
         raise DesignError("shape", f"must be of this design, printed on {sides[0]} mm", f"a sheet of {sides[1]} mm")
     if len(shape.star_vertices) != len(plan.centres):

@@ -11,7 +11,7 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.geometry.planar import distance_to_outline, distance_to_segment
-from asterism.pattern.layout.layout import Layout, off_sheet_mm
+from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.sheet_edges import SheetEdges
 from asterism.pattern.layout.supports import PinSet
 from asterism.pattern.rods.graph import CORNER_DEG
@@ -51,11 +51,10 @@ def needles(plan: Layout, spacing_mm: float, shape: Shape | None = None) -> tupl
     The design gives the places of fixed supports, and `shape` those of sliding ones.
     """
     placed: list[Needle] = []
-    off_sheet = 0.0 if shape is None else off_sheet_mm(plan, len(shape.printed))
     for pins in plan.pins:
         along = [_along(line, spacing_mm) for line in _smooth_lines(pins, plan.edges)]
         printed = np.concatenate([pins.points, *along])
-        places = _places(pins, printed, shape, off_sheet)
+        places = _places(pins, printed, shape)
         for k, point in enumerate(printed):
             # adjacent edges share a corner
             if all(np.linalg.norm(point - needle.printed) > 1e-6 for needle in placed):
@@ -92,14 +91,14 @@ def _along(line: Floats, spacing_mm: float) -> Floats:
     return np.column_stack([np.interp(at, passed, line[:, axis]) for axis in (0, 1)])
 
 
-def _places(pins: PinSet, printed: Floats, shape: Shape | None, off_sheet: float) -> Floats | None:
+def _places(pins: PinSet, printed: Floats, shape: Shape | None) -> Floats | None:
     """(n, 3) mm, places of printed points in space; z is not a number if unknown; None if x and y are unknown."""
     held = np.array(pins.fixed)
     if held.all():
         return pins.places(printed)
     if shape is None:
         return np.where(held, pins.places(printed), np.nan) if held[:2].all() else None
-    return np.where(held, pins.places(printed), shape.at(printed, off_sheet))
+    return np.where(held, pins.places(printed), shape.at_edges(printed))
 
 
 def needles_near_edge(plan: Layout, some: Sequence[Needle]) -> list[int]:

@@ -13,7 +13,6 @@ from shapely.geometry.base import BaseGeometry
 
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.geometry.planar import dense_outline
-from asterism.pattern.layout.layout import off_sheet_mm
 from asterism.print.drawing import (
     CUT,
     NEEDLES,
@@ -164,8 +163,7 @@ def needle_sheet(job: Job) -> Drawing | None:
     items: DrawingItems = []
     points = np.array([place[:2] for _, place in known])
     if job.shape is not None:
-        off_sheet = off_sheet_mm(job.plan, len(job.shape.printed))
-        outline = job.shape.at(dense_outline(job.plan.outline), off_sheet)[:, :2]
+        outline = job.shape.at_edges(dense_outline(job.plan.outline))[:, :2]
         meaning = "edge of the sheet in space, seen from above"
         items.append(Polyline(DrawingLayer("outline", CUT.colour, 0.2, (3.0, 1.5), meaning=meaning), outline, True))
         points = np.concatenate([points, outline])

@@ -14,7 +14,7 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.sizing.profiles import GradientProfile
 from asterism.pattern.geometry.normals import vertex_normals
 from asterism.pattern.layout.free_motions import count_free_tilts
-from asterism.pattern.layout.layout import Layout, off_sheet_mm
+from asterism.pattern.layout.layout import Layout
 from asterism.process.version import __version__
 from asterism.shape.shape import Shape
 
@@ -190,7 +190,7 @@ def needle_clearance(layout: Layout, shape: Shape) -> tuple[float, float] | None
     printed = layout.support_samples.printed
     if len(printed) == 0:
         return None
-    supported, heights = shape.at(printed, off_sheet_mm(layout, len(shape.printed)))[:, 2], shape.positions[:, 2]
+    supported, heights = shape.at_edges(printed)[:, 2], shape.positions[:, 2]
     above, below = heights.max() - supported.max(), supported.min() - heights.min()
     return max(float(above), 0.0), max(float(below), 0.0)
 

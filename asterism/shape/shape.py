@@ -16,7 +16,7 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.geometry.normals import triangle_normals
 from asterism.pattern.geometry.planar import polygon_area
-from asterism.pattern.geometry.point_location import locate
+from asterism.pattern.geometry.point_location import locate, off_sheet_mm
 from asterism.pattern.layout.build import layout, sheet_outline
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.sheet_mesh import sheet_mesh
@@ -179,6 +179,11 @@ class Shape:
         points = np.atleast_2d(np.asarray(printed_points, dtype=float))
         triangle, weights = locate(self.printed, self.triangles, points, off_sheet_mm)
         return np.asarray(np.einsum("nk,nki->ni", weights, self.positions[self.triangles[triangle]]))
+
+    def at_edges(self, printed_points: Floats) -> Floats:
+        """As `at`, also of points on the edges of the print: those off the chords of a mesh are taken to them."""
+        area = float(surface_triangle_areas(self.printed, self.triangles).sum())
+        return self.at(printed_points, off_sheet_mm(area, len(self.printed)))
 
     def picture(
         self,

@@ -15,7 +15,7 @@ from asterism.pattern.geometry.normals import sum_at_vertices, vertex_normals
 from asterism.pattern.geometry.point_location import TriangleFinder, clipped
 from asterism.pattern.geometry.rigid_fit import rigid_fit
 from asterism.pattern.layout.build import layout
-from asterism.pattern.layout.layout import Layout, off_sheet_mm
+from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.shape.measures import CellMean
 from asterism.shape.shape import Shape, blank_sheet
@@ -218,10 +218,9 @@ def exact_frame(exact: Shape, near: Shape | None, pose: tuple[Floats, Floats] | 
     frame = shape_frame(exact, "exact")
     positions, arrays = np.asarray(frame.arrays["positions"], dtype=float), dict(frame.arrays)
     if near is not None:
-        off = 0.0 if exact.layout is None else off_sheet_mm(exact.layout, len(near.printed))
-        before, positions = near.at(exact.printed, off), exact.positions
+        before, positions = near.at_edges(exact.printed), exact.positions
         if pose is not None:
-            rotation, shift = rigid_fit(near.at(pose[0], off), np.asarray(pose[1], dtype=float))
+            rotation, shift = rigid_fit(near.at_edges(pose[0]), np.asarray(pose[1], dtype=float))
             before = before @ rotation.T + shift
         if not exact.held:
             rotation, shift = rigid_fit(positions, before, exact.weights)

@@ -12,6 +12,7 @@ from jaxtyping import Float, Int
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.geometry.planar import clusters, inside
 from asterism.pattern.geometry.plane_lattice import PlaneLattice
+from asterism.pattern.geometry.point_location import off_sheet_mm
 from asterism.pattern.layout.sheet_edges import SheetEdges
 from asterism.pattern.layout.supports import PinSet, SupportSamples, all_points, sample_supports
 from asterism.pattern.rods.graph import Rod, RodGraph
@@ -249,19 +250,6 @@ class Layout:
 def off_curves_mm(layout: Layout, vertices: int) -> float:
     """`off_sheet_mm` if the sheet has a printed rim or holes, which may be curved; else that of symmetric images."""
     if layout.rim or layout.holes:
-        return off_sheet_mm(layout, vertices)
+        return off_sheet_mm(layout.area_mm2, vertices)
     # images of an outline under its symmetries are off it by less
     return 2e-6 * layout.spacing_mm
-
-
-def off_sheet_mm(layout: Layout, vertices: int) -> float:
-    """Largest distance of points on the edges of a layout from a mesh with so many vertices, for `Shape.at`.
-
-    >>> from asterism.pattern.gallery import load
-    >>> from asterism.pattern.layout.build import layout
-    >>> round(off_sheet_mm(layout(load("dome")), 3781), 2)
-    0.35
-    """
-    # a vertex on a curved outline is off the chord of another mesh by less than 0.2 mean edges: chords turn by at most
-    # 20 degrees, which is a distance of 0.05 chords, and edges of coarser meshes are at most three times as long
-    return float(0.2 * np.sqrt(layout.area_mm2 / vertices))

@@ -13,7 +13,6 @@ import meshio
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats, Ints
-from asterism.pattern.layout.layout import off_sheet_mm
 from asterism.print.formats.registry import export_format
 from asterism.print.needles import needles
 from asterism.process.settings import ExportSettings
@@ -48,7 +47,7 @@ def needle_ends(shape: Shape) -> Floats:
     if plan is None or not plan.pins:
         return np.empty((0, 2, 3))
     printed = np.array([needle.printed for needle in needles(plan, ExportSettings().needle_spacing_mm)])
-    upper = shape.at(printed, off_sheet_mm(plan, len(shape.printed)))
+    upper = shape.at_edges(printed)
     lower = upper.copy()
     # needles end so far below the lowest point of the sheet
     lower[:, 2] = shape.positions[:, 2].min() - 5.0

@@ -13,7 +13,6 @@ import shapely
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.drawing.rhino import RHINO_NEEDED
 from asterism.pattern.geometry.planar import dense_outline
-from asterism.pattern.layout.layout import off_sheet_mm
 from asterism.print.drawing import CUT, NEEDLES, STARS
 from asterism.print.formats.registry import export_format
 from asterism.print.job import Job
@@ -30,7 +29,6 @@ def write_rhino(path: Path, job: Job) -> None:
     `drilling`: a circle and a point for each needle. Needles carry their numbers as names.
     """
     model, shape = _Model(importlib.import_module("rhino3dm")), job.seen
-    off = 0.0 if shape is None else off_sheet_mm(job.plan, len(shape.printed))
     for ring in job.cut:
         model.polyline("print::outline", CUT.colour, _flat(job.placement.points(ring)), closed=True)
     # the lowest layer is the widest
@@ -45,7 +43,7 @@ def write_rhino(path: Path, job: Job) -> None:
         for rod in shape.rods:
             model.polyline("space::arms", STARS.colour, shape.positions[rod])
         for ring in (job.plan.outline, *job.plan.holes):
-            model.polyline("space::outline", CUT.colour, shape.at(dense_outline(ring), off), closed=True)
+            model.polyline("space::outline", CUT.colour, shape.at_edges(dense_outline(ring)), closed=True)
     # holes in the base, and needles from there to the sheet; the base lies at z = 0 if the shape is not known
     drilling = "base::drilling", "#0a7d32"
     for needle in job.needles:
@@ -53,7 +51,7 @@ def write_rhino(path: Path, job: Job) -> None:
             continue
         name, centre = f"needle {needle.number}", np.array([*needle.place[:2], 0.0])
         if shape is not None and needle.height_mm is not None:
-            upper = shape.at(needle.printed[None], off)[0]
+            upper = shape.at_edges(needle.printed)[0]
             centre[2] = upper[2] - needle.height_mm
             if needle.is_raised:
                 model.polyline("space::needles", NEEDLES.colour, np.array([centre, upper]), name=name)
