@@ -80,7 +80,7 @@ _HOMES = {
     for name in line.names
 }
 # type checkers take an import under another name as public only if it is written out here
-__all__ = ["__version__", "new", "sweep", *_HOMES]
+__all__ = ["__version__", "new", "sweep", *sorted(_HOMES)]
 
 
 def __dir__() -> list[str]:
