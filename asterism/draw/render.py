@@ -15,6 +15,16 @@ from asterism.equilibrium.compiled import formula, loop
 SUPERSAMPLING = 2
 # two neighbours may both draw a pixel on their common edge, so that rounding leaves no hole; in pixels
 EDGE_TOLERANCE_PX = 1e-6
+PLASTIC_SIDE = (0.985, 0.92, 0.80)
+FABRIC_SIDE = (0.63, 0.725, 0.845)
+ARMS = (0.20, 0.205, 0.24)
+PINS = (0.86, 0.25, 0.16)
+OUTLINE_COLOUR = (0.16, 0.16, 0.18)
+# unit vector towards the light: upper left, in front
+KEY_LIGHT = np.array([-0.50, 0.62, 0.60]) / np.linalg.norm([-0.50, 0.62, 0.60])
+# brightness of the key light and of the highlight, by the cosine that each of them needs
+KEY_TABLE = np.linspace(0.0, 1.0, 4096) ** 1.6
+GLOSS_TABLE = np.linspace(0.0, 1.0, 4096) ** 40
 
 
 def render(thing: Scene, view: Camera, pixels_per_mm: float) -> Floats:
@@ -166,18 +176,6 @@ def _fill(corner_y, functions, depths, face, nearest):  # type: ignore[no-untype
                 if here >= nearest[row, column]:
                     nearest[row, column] = here
                     face[row, column] = t
-
-
-PLASTIC_SIDE = (0.985, 0.92, 0.80)
-FABRIC_SIDE = (0.63, 0.725, 0.845)
-ARMS = (0.20, 0.205, 0.24)
-PINS = (0.86, 0.25, 0.16)
-OUTLINE_COLOUR = (0.16, 0.16, 0.18)
-# unit vector towards the light: upper left, in front
-KEY_LIGHT = np.array([-0.50, 0.62, 0.60]) / np.linalg.norm([-0.50, 0.62, 0.60])
-# brightness of the key light and of the highlight, by the cosine that each of them needs
-KEY_TABLE = np.linspace(0.0, 1.0, 4096) ** 1.6
-GLOSS_TABLE = np.linspace(0.0, 1.0, 4096) ** 40
 
 
 @loop
