@@ -36,8 +36,8 @@ if TYPE_CHECKING:  # these lines are read below
     from asterism.homogenize.law.law import Law as Law
     from asterism.homogenize.law.law_file import load_law as load_law
     from asterism.homogenize.law.material import load_material as load_material
-    from asterism.laws.calibrate import calibrate as calibrate
-    from asterism.laws.show_law import show_law as show_law
+    from asterism.laws.law import calibrate as calibrate
+    from asterism.laws.law import show_law as show_law
     from asterism.measure.compare import compare as compare
     from asterism.measure.compare import write_comparison as write_comparison
     from asterism.measure.fit_strips import fit_strips as fit_strips

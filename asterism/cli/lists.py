@@ -142,8 +142,8 @@ def calibrate(
     """
     from asterism.homogenize.campaign.kept_samples import cells_folder
     from asterism.homogenize.campaign.workers import default_jobs
-    from asterism.laws.calibrate import law_lines
     from asterism.laws.from_files import is_design, law_output_path, plan_from_file
+    from asterism.laws.law import law_lines
     from asterism.pattern.design.errors import DesignError
     from asterism.results.files import check_file
 
@@ -174,7 +174,7 @@ def show(
     output: Annotated[Path | None, output_option("Directory (default: the name of the law).")] = None,
 ) -> None:
     """Print a law and its errors as tables, and draw it in law.png."""
-    from asterism.laws.calibrate import held_out_warning
+    from asterism.laws.law import held_out_warning
 
     lines = asterism.show_law(path, output)
     doubt = held_out_warning(asterism.load_law(path))

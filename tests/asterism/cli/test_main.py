@@ -216,8 +216,8 @@ CASES = [
     (["compare-designs", "d.toml", "d.toml", "-o", "p.html"], "p.html/", "reports.compare_designs.prepare"),
     ([*FIT, "f.toml"], "f.toml/", "fitting.target_files.load_target"),
     ([*FIT, "f.toml"], "f-fit/target.obj/", "fitting.target_files.load_target"),
-    (["law", "show"], "paper-law/law.png/", "laws.show_law.law_figure"),
-    (["calibrate", "d.toml"], "d-law.npz/", "laws.calibrate.run_campaign"),
+    (["law", "show"], "paper-law/law.png/", "laws.law.law_figure"),
+    (["calibrate", "d.toml"], "d-law.npz/", "laws.law.run_campaign"),
     (["picture", "d", "-o", "p"], "p/d-oblique.png/", "shape.vtu.read_shape"),
 ]
 

@@ -22,7 +22,7 @@ from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.law_file import law_bytes, law_digest, load_law
 from asterism.homogenize.law.plan import CellTask, SampleRecord
 from asterism.homogenize.law.star_law import StarLaw
-from asterism.laws.calibrate import directions_warning
+from asterism.laws.law import directions_warning
 from asterism.pattern.design.design import Design
 from asterism.previews.session import Preview
 from asterism.process.progress import CountLine
@@ -84,7 +84,7 @@ def test_show_writes_a_picture_and_a_summary(place: Path, cli: Cli, monkeypatch:
 
 @pytest.mark.slow
 def test_the_law_that_comes_with_the_package(here: Path, cli: Cli, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("asterism.laws.show_law.law_figure", lambda law: Figure())  # it takes seconds
+    monkeypatch.setattr("asterism.laws.law.law_figure", lambda law: Figure())  # it takes seconds
     shown = cli(["law", "show"])
     assert shown.status == 0, shown.err
     assert "stretch 1.75" in shown.out and (here / "paper-law" / "law.png").exists()

@@ -16,8 +16,7 @@ from asterism.homogenize.law.law_file import load_law
 from asterism.homogenize.law.motif_law import MotifLaw
 from asterism.homogenize.law.star_law import StarLaw
 from asterism.homogenize.law.tensor_forms import TO_VOIGT, SheetTensors
-from asterism.laws.calibrate import held_out_warning, law_lines
-from asterism.laws.show_law import MOTIF_CHARTS, law_figure, stretch_axes, values_along
+from asterism.laws.law import MOTIF_CHARTS, held_out_warning, law_figure, law_lines, stretch_axes, values_along
 from asterism.pattern.design.design import Design
 from tests.homogenize import same_process
 from tests.homogenize.motif_laws import LEAST_THICKNESS, learned_law
