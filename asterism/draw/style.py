@@ -11,6 +11,9 @@ if TYPE_CHECKING:
 INK = "#26262b"
 # labels and notes
 PALE = "#7a7a82"
+# curves and points; what stands out among them
+BLUE = "#2a6f97"
+RED = "#c8553d"
 
 
 def style_axes(axes: Axes, title: str, below: str, size: int = 10, side: Literal["left", "right"] = "left") -> None:

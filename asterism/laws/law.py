@@ -23,7 +23,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from asterism.draw.fonts import write_title
-from asterism.draw.style import PALE, add_grid, style_axes
+from asterism.draw.style import BLUE, PALE, add_grid, style_axes
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.campaign.campaign import SolveCell, run_campaign
 from asterism.homogenize.campaign.fit_law import fit_law
@@ -316,7 +316,7 @@ def _star_errors(axes: Axes, table: StarTable, held_out: dict[str, Any]) -> None
     cells = [cell for cell in held_out["cells"] if cell["inside"] and not cell["tight"]]
     for x, name in enumerate(table.error_names):
         errors = [max(abs(cell["error_percent"][name]), 1e-3) for cell in cells]
-        axes.plot([x] * len(errors), errors, "o", color="#2a6f97", markersize=3, alpha=0.6)
+        axes.plot([x] * len(errors), errors, "o", color=BLUE, markersize=3, alpha=0.6)
     axes.set_yscale("log")
     axes.set_ylim(1e-3, 300)
     axes.set_xticks(range(len(table.error_names)), table.error_names, rotation=30, fontsize=7)

@@ -21,7 +21,7 @@ from scipy.spatial.transform import Rotation
 from asterism.draw.fonts import write_title
 from asterism.draw.render import render
 from asterism.draw.scene import bare, drawn_size, sheet_camera
-from asterism.draw.style import INK, PALE, style_axes
+from asterism.draw.style import BLUE, INK, PALE, RED, style_axes
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.measure.outline import OUTLINE_FORMATS, OutlineFit, fit_outline, read_outline, silhouette
 from asterism.measure.registration import Pose, distinct_poses, register
@@ -417,7 +417,7 @@ def _section(axes: Axes, comparison: ScanComparison, along: int, level: float) -
     across = 1 - along
     segments = surface_cut(comparison.shape.positions, comparison.shape.triangles, across, level)[:, :, [along, 2]]
     near = np.abs(comparison.points[:, across] - level) < 1.0
-    for selected, colour in ((near & ~comparison.used, "#b0b0b8"), (near & comparison.used, "#c8553d")):
+    for selected, colour in ((near & ~comparison.used, "#b0b0b8"), (near & comparison.used, RED)):
         axes.plot(*comparison.points[selected][:, [along, 2]].T, ".", color=colour, markersize=2.5)
     axes.add_collection(LineCollection(list(segments), colors=INK, linewidths=1.2))
     title = f"cut along {'xy'[along]} through the middle: shape black, scan red, left out grey"
@@ -441,6 +441,6 @@ def surface_cut(positions: Floats, triangles: Ints, axis: int, level: float) -> 
 
 
 def _histogram(axes: Axes, distance: Floats, title: str, below: str) -> None:
-    axes.hist(distance, bins=80, color="#2a6f97")
+    axes.hist(distance, bins=80, color=BLUE)
     axes.set_yticks([])
     style_axes(axes, title, below)

@@ -10,6 +10,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
+from asterism.draw.style import RED
 from asterism.measure.new_strips import HELP_PEN, page_head, wrapped
 from asterism.pattern.design.design import GRAVITY_M_S2
 from asterism.pattern.design.errors import DesignError
@@ -230,7 +231,7 @@ def _slope(top: float) -> list[Polyline | Label]:
     corners = np.array([[left, top], [left + width, top - depth], [left, top - depth], [left, top]])
     edge = np.array([left + 3.0, top - depth + 4.0])
     return [
-        Polyline(DrawingLayer("slope", "#c8553d", 0.3), corners),
+        Polyline(DrawingLayer("slope", RED, 0.3), corners),
         Label(HELP_PEN, np.array([left - 2.0, top + 1.5]), "edge of the table", 3.0),
         Label(HELP_PEN, edge, f"{SLOPE_DEG:g} degrees at 1:1; lower side {width:g} mm", 3.0),
     ]

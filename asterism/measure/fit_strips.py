@@ -17,7 +17,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
 from asterism.draw.fonts import write_title
-from asterism.draw.style import PALE, add_grid, style_axes
+from asterism.draw.style import BLUE, PALE, RED, add_grid, style_axes
 from asterism.measure.strip_fit import CONFIDENCE, FLAT_HEIGHT_MM, StripFit, fit_directions
 from asterism.measure.strip_table import Reading, read_strips
 from asterism.pattern.design.errors import check_type, one_line
@@ -290,8 +290,8 @@ def draw_fit(fits: Sequence[StripFit], title: str, path_or_file: str | Path | IO
     one = fits[0]
     thicknesses = [reading.thickness_mm for reading in one.used]
     h = np.linspace(min(thicknesses) - 0.01, max(thicknesses) + 0.01, 200)
-    peeled, doubtful = "#c8553d", "#9d1f1f"
-    for fit, colour in zip(fits, ("#2a6f97", "#5d8a3a"), strict=False):
+    peeled, doubtful = RED, "#9d1f1f"
+    for fit, colour in zip(fits, (BLUE, "#5d8a3a"), strict=False):
         covered = [reading for reading in fit.used if not reading.peeled]
         for stretch, fabric_mm in {(r.stretch, r.fabric_thickness_mm) for r in covered}:
             fabric, ends = Fabric(stretch=stretch, thickness_mm=fabric_mm), fit.found

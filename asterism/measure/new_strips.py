@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import shapely
 
+from asterism.draw.style import BLUE, RED
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.measure.strip_table import BOX_COLUMNS, DIRECTION_COLUMN, KNOWN_COLUMNS, Direction, arc_box
 from asterism.pattern.design.errors import DesignError, check_type
@@ -213,7 +214,7 @@ def wrapped(step: str) -> list[str]:
 
 def _boxes(corner: Floats) -> list[Polyline | Label]:
     """Three examples of arcs in their boxes."""
-    arc_pen, box_pen = DrawingLayer("arcs", "#2a6f97", 0.8), DrawingLayer("boxes", "#c8553d", 0.25, (1.5, 1.0))
+    arc_pen, box_pen = DrawingLayer("arcs", BLUE, 0.8), DrawingLayer("boxes", RED, 0.25, (1.5, 1.0))
     items: list[Polyline | Label] = []
     for column, (angle, name) in enumerate(((1.6, "up to half a circle"), (np.pi, "half a circle"), (4.4, "beyond"))):
         length = 42.0

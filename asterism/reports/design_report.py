@@ -17,7 +17,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from asterism.draw.picture import draw_shape
-from asterism.draw.style import PALE
+from asterism.draw.style import PALE, RED
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.errors import ForeignLaw, LawError
 from asterism.homogenize.law.law import Law
@@ -153,7 +153,6 @@ Facts = dict[str, list[str]]
 PAGE_MM = np.array(A4_MM)
 # empty border of the page
 _MARGIN_MM = 15.0
-RED = "#c8553d"
 NOTES = DrawingLayer("notes", PALE)
 # size of the area for the layout, and its lower left corner on the page
 LAYOUT_MM = np.array([112.0, 122.0])

@@ -17,14 +17,14 @@ from scipy.spatial import cKDTree
 
 from asterism.draw.render import FABRIC_SIDE
 from asterism.draw.scene import bare, scene
-from asterism.draw.style import INK, PALE, add_grid, style_axes
+from asterism.draw.style import INK, PALE, RED, add_grid, style_axes
 from asterism.equilibrium.arrays import Bools, Floats
 from asterism.fitting.fit import Fit
 from asterism.measure.compare import SIGNED_DISTANCE_COLOURS, frame_section, surface_cut
 from asterism.pattern.design.errors import check_type
 from asterism.pattern.geometry.planar import distance_to_outline
 from asterism.reports.html import design_rows, figures, html_page, html_table, png, tiles, warnings_box
-from asterism.reports.plots import BLUE, ORANGE, PLOT_DPI, aligned_views, png_of, print_figure, together
+from asterism.reports.plots import ORANGE, PLOT_DPI, SLATE, aligned_views, png_of, print_figure, together
 from asterism.reports.write_results import write_shape_files
 from asterism.results.files import SUMMARY_FILE, staged_result
 from asterism.results.records.fit import FitRecord
@@ -318,9 +318,6 @@ def _rms(fitted: Fit, part: Bools) -> float:
     return float(100.0 * np.sqrt(mean_square) / fitted.distance.diameter_mm)
 
 
-TARGET_COLOUR = "#c8553d"
-
-
 def signed_distance_map(fitted: Fit) -> bytes:
     """PNG of the signed distance over the print, mean over a cell; needles are points, a cross is at the largest."""
     figure, axes = _figure_with_needles(fitted)
@@ -349,7 +346,7 @@ def _contraction_map(fitted: Fit) -> bytes:
     here, low, high = star_contractions(fitted)
     outside = (here < low) | (here > high)
     axes.plot(*plan.centres[~outside].T, ".", color="white", markersize=4)
-    axes.plot(*plan.centres[outside].T, "o", color=TARGET_COLOUR, markersize=5, markeredgecolor="white")
+    axes.plot(*plan.centres[outside].T, "o", color=RED, markersize=5, markeredgecolor="white")
     return png_of(figure)
 
 
@@ -361,9 +358,9 @@ def _contraction_ranges(fitted: Fit) -> bytes:
     order = np.argsort(here, kind="stable")
     rank, outside = np.arange(len(here)), ((here < low) | (here > high))[order]
     axes.axhspan(low, high, color="#cfd6e2", label="available")
-    axes.plot(rank[~outside], here[order][~outside], "o", color=BLUE, markersize=3.5, label="needed")
+    axes.plot(rank[~outside], here[order][~outside], "o", color=SLATE, markersize=3.5, label="needed")
     if outside.any():
-        axes.plot(rank[outside], here[order][outside], "o", color=TARGET_COLOUR, markersize=4.5, label="not available")
+        axes.plot(rank[outside], here[order][outside], "o", color=RED, markersize=4.5, label="not available")
     add_grid(axes)
     style_axes(axes, f"stretch {fitted.summary.stretch:g}", "stars, in the order of the needed contraction")
     axes.set_ylabel("length in space over printed length", fontsize=9, color=PALE)
@@ -396,7 +393,7 @@ def _draw_section(axes: Axes, fitted: Fit, along: int) -> None:
     disk, shape = fitted.target.disk, fitted.shape
     level = 0.5 * float(disk.vertices[:, across].min() + disk.vertices[:, across].max())
     parts: list[tuple[Any, Any, str, float]] = [
-        (disk.vertices, disk.triangles, TARGET_COLOUR, 2.4),
+        (disk.vertices, disk.triangles, RED, 2.4),
         (shape.positions, shape.triangles, INK, 1.0),
     ]
     for positions, triangles, colour, width in parts:

@@ -22,7 +22,7 @@ from matplotlib.tri import Triangulation
 from asterism.draw.fonts import write_title
 from asterism.draw.render import FABRIC_SIDE, render
 from asterism.draw.scene import Camera, Scene, bare, scene, sheet_camera
-from asterism.draw.style import INK, PALE, add_grid, style_axes
+from asterism.draw.style import BLUE, INK, PALE, add_grid, style_axes
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.sheet_edges import SheetEdges
@@ -95,7 +95,7 @@ def _framed(thing: Scene, view: Camera, frame: Floats) -> Floats:
     return out
 
 
-BLUE = "#4f6d92"
+SLATE = "#4f6d92"
 # a profile ends at this part of the distance to the outline, so that rounding does not move it outside
 MAX_CUT_SHARE = 0.999
 
@@ -157,7 +157,7 @@ def profiles(comparison: Comparison) -> list[tuple[bytes, str]]:
         axes = figure.subplots()
         axes.set(xlabel="mm", ylabel="mm")
         axes.set_aspect("equal", adjustable="datalim")
-        axes.plot(*exact.T, color=BLUE)
+        axes.plot(*exact.T, color=SLATE)
         axes.plot(*preview.T, color=ORANGE)
         out.append((png_of(figure), f"{name}; exact blue, preview orange"))
     return out
@@ -208,9 +208,6 @@ def _in_plane(exact: Floats, preview: Floats) -> tuple[Floats, Floats]:
     return (exact - middle) @ plane.T, (preview - middle) @ plane.T
 
 
-BAND_COLOUR = "#2a6f97"
-
-
 def draw_spread(record: SpreadRecord, name: str, path: Path) -> None:
     """Draw the range of shapes of a design as PNG."""
     figure = Figure(figsize=(10, 4.2), dpi=150, facecolor="white")
@@ -218,16 +215,16 @@ def draw_spread(record: SpreadRecord, name: str, path: Path) -> None:
     side, bars = figure.subplots(1, 2, width_ratios=(1.5, 1.0))
     figure.subplots_adjust(left=0.06, right=0.98, bottom=0.13, top=0.74, wspace=0.42)
     low, median, high = (np.array(line) for line in (record.line_low_mm, record.line_median_mm, record.line_high_mm))
-    side.fill(*np.concatenate([low, high[::-1]]).T, color=BAND_COLOUR, alpha=0.2, linewidth=0)
+    side.fill(*np.concatenate([low, high[::-1]]).T, color=BLUE, alpha=0.2, linewidth=0)
     for line, width in ((low, 0.6), (median, 1.6), (high, 0.6)):
-        side.plot(*line.T, color=BAND_COLOUR, linewidth=width)
+        side.plot(*line.T, color=BLUE, linewidth=width)
     side.set_aspect("equal", adjustable="datalim")
     style_axes(side, "through the highest point, mm: nine of ten prints", "along the ground, mm")
     add_grid(side)
     for row, share in enumerate(reversed(record.shares)):
         ends = share.heights_mm
         bars.barh(row, np.ptp(ends), left=min(ends), height=0.6, color="#9fbdd0")
-        bars.plot(ends[1], row, "o", color=BAND_COLOUR, markersize=4)
+        bars.plot(ends[1], row, "o", color=BLUE, markersize=4)
     bars.use_sticky_edges = False
     bars.axvline(record.height_median_mm, color=INK, linewidth=0.8)
     bars.set_yticks(range(len(record.shares)), [VALUES[share.value] for share in reversed(record.shares)])

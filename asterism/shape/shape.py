@@ -181,7 +181,7 @@ class Shape:
         return np.asarray(np.einsum("nk,nki->ni", weights, self.positions[self.triangles[triangle]]))
 
     def at_edges(self, printed_points: Floats) -> Floats:
-        """As `at`, also of points on the edges of the print: those off the chords of a mesh are taken to them."""
+        """(n, 3) mm, as `at`, of printed points (n, 2) mm that may be on edges: those off chords are taken to them."""
         area = float(surface_triangle_areas(self.printed, self.triangles).sum())
         return self.at(printed_points, off_sheet_mm(area, len(self.printed)))
 
