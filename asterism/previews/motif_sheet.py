@@ -45,7 +45,6 @@ from asterism.fem.shell.hyperelastic import hyperelastic
 from asterism.homogenize.cell.linear_response import voigt_turn
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.motif_law import MotifLaw
-from asterism.homogenize.law.plan import rounded, source_of
 from asterism.homogenize.law.tensor_forms import TO_VOIGT, SheetTensors
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.materials import Fabric
@@ -222,8 +221,8 @@ class MotifSheet(PrintSheet):
             total = np.zeros(len(points))
             for line in rods.motif:
                 length = np.linalg.norm(np.diff(polyline(line, rods.curve_mm), axis=0), axis=1).sum()
-                sources = {key: source_of(rods, line, key) for key in ("thickness_mm", "width_mm")}
-                thickness, width = (rounded(rods, key, sample(of, points)) for key, of in sources.items())
+                sources = {key: rods.size_of(line, key) for key in ("thickness_mm", "width_mm")}
+                thickness, width = (rods.printed(key, sample(of, points)) for key, of in sources.items())
                 total += thickness * width * length / area
             return total
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Literal, cast
+from typing import cast
 
 import numpy as np
 from scipy.spatial import cKDTree
@@ -33,6 +33,7 @@ from asterism.discrete.model.system import System
 from asterism.equilibrium.arrays import Array
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.materials import Fabric, residual_curvature, rest_curvature, rest_twist
+from asterism.pattern.design.stars import ROD_SIZES
 from asterism.pattern.geometry.normals import vertex_normals
 from asterism.pattern.geometry.planar import triangle_areas
 from asterism.pattern.layout.layout import Layout
@@ -105,8 +106,9 @@ class DiscreteModel(System):
         self.design, self.layout, self.mesh = design, layout, mesh
         self.bending = FABRIC_BENDING[design.fabric.bending]
         self.network, self.joints = _networks(layout.graph, mesh)
-        self.edge_thickness = _at_midpoints(self.network, layout.graph, "thickness")
-        self.edge_width = _at_midpoints(self.network, layout.graph, "width")
+        # (R, K) `pattern.design.stars.ROD_SIZES` at the midpoint of every rod edge
+        self.edge_sections = _sections_at_midpoints(self.network, layout.graph)
+        self.edge_thickness, self.edge_width = self.edge_sections[:, 0], self.edge_sections[:, 1]
         self.edge_side = layout.rod_side[self.network.rod]
         self._own_residual_curvature = self._residual_curvature_over_the_plastics()
         self.constraints = pin_constraints(layout, mesh)
@@ -285,14 +287,14 @@ def _networks(graph: RodGraph, mesh: Mesh) -> tuple[RodNetwork, JointNetwork]:
     return network, joint_network(mesh.rods, [graph.ends_at[node] for node in graph.joints])
 
 
-def _at_midpoints(network: RodNetwork, graph: RodGraph, name: Literal["thickness", "width"]) -> Array:
-    """(R,) mm, thickness or width at the midpoint of every rod edge."""
+def _sections_at_midpoints(network: RodNetwork, graph: RodGraph) -> Array:
+    """(R, K) sections at the midpoint of every rod edge."""
     first = np.searchsorted(network.rod, np.arange(len(graph.rods) + 1))  # edges are stored rod by rod
     pieces = [
-        rod.at(getattr(rod, name), network.midpoint[begin:end])
+        rod.at(rod.sections, network.midpoint[begin:end])
         for rod, begin, end in zip(graph.rods, first, first[1:], strict=False)
     ]
-    return np.concatenate([np.empty(0), *pieces])
+    return np.concatenate([np.empty((0, len(ROD_SIZES))), *pieces])
 
 
 def bump_heights(model: DiscreteModel, state: State) -> Array:

@@ -30,6 +30,7 @@ from asterism.homogenize.cell.point_group import (
 )
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError, MeshError
+from asterism.pattern.design.stars import ROD_SIZES
 from asterism.pattern.geometry.planar import triangle_areas
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.mesh import Mesh
@@ -77,9 +78,8 @@ def star_size(design: Design, name: str) -> float:
     for number, change in enumerate(stars.override):
         if change.remove or getattr(change, name) is not None:
             raise ValueError(f"stars.override[{number}] must not change a star: all stars of a unit cell are equal")
-    if stars.rounding is not None and name != "length_mm":
-        rounded = stars.rounding.thickness if name == "thickness_mm" else stars.rounding.width
-        value = rounded(np.asarray(value))
+    if stars.rounding is not None:
+        value = stars.rounding.rounded(name, np.asarray(value))
     return float(value)
 
 
@@ -351,14 +351,13 @@ def _unfolded_model(design: Design, torus: PeriodicMesh, motif: MotifGraph | Non
 
 def _stars(design: Design, torus: PeriodicMesh) -> Layout:
     tips = torus.points[[rod[-1] for rod in torus.rods]]
-    ends = np.ones((len(tips), 2))
+    section = [star_size(design, size.key) for size in ROD_SIZES]
     return _layout(
         design,
         centres=torus.points[torus.star_vertices],
         arm_star=torus.arm_star,
         arm_tip=tips,
-        arm_thickness=star_size(design, "thickness_mm") * ends,
-        arm_width=star_size(design, "width_mm") * ends,
+        arm_sections=np.tile(section, (len(tips), 2, 1)),
     )
 
 

@@ -17,6 +17,16 @@ class Rounding(Section):
     layer_mm: Number = Field(ge=0.01, le=2)
     line_mm: Number = Field(ge=0.05, le=5)  # width of a line, the nozzle's
 
+    def rounds(self, key: str) -> bool:
+        """Whether layers or lines limit a size of arms or rods of this key."""
+        return key in ("thickness_mm", "width_mm")
+
+    def rounded(self, key: str, exact: Floats) -> Floats:
+        """A size by its key, as it is printed."""
+        if not self.rounds(key):
+            return exact
+        return self.thickness(exact) if key == "thickness_mm" else self.width(exact)
+
     def thickness(self, exact_mm: Floats) -> Floats:
         """The nearest thickness that can be printed; halfway goes up."""
         return np.round(self.height(np.maximum(_nearest(self.layers(exact_mm)), 0.0)), 9)
