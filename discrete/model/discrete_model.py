@@ -9,7 +9,7 @@ from typing import cast
 import numpy as np
 from scipy.spatial import cKDTree
 
-from asterism.discrete.energies.bending.fabric_bending import FABRIC_BENDING, BendingMesh
+from asterism.discrete.energies.bending.fabric_bending import BendingMesh, bending_of
 from asterism.discrete.energies.elements import Elements
 from asterism.discrete.energies.membrane import Membrane, SideMembrane, flat_share
 from asterism.discrete.energies.rods.joint import RodJoint
@@ -104,7 +104,7 @@ class DiscreteModel(System):
 
     def __init__(self, design: Design, layout: Layout, mesh: Mesh, bending_mesh: BendingMesh | None = None) -> None:
         self.design, self.layout, self.mesh = design, layout, mesh
-        self.bending = FABRIC_BENDING[design.fabric.bending]
+        self.bending = bending_of(design.fabric)
         self.network, self.joints = _networks(layout.graph, mesh)
         # (R, K) `pattern.design.stars.ROD_SIZES` at the midpoint of every rod edge
         self.edge_sections = _sections_at_midpoints(self.network, layout.graph)
@@ -262,7 +262,7 @@ def fabric_energies(fabric: Fabric, mesh: BendingMesh) -> dict[str, Elements]:
 
     With the paper's hinges the membrane is that of the paper, constant strain triangles.
     """
-    bending, share = FABRIC_BENDING[fabric.bending], None
+    bending, share = bending_of(fabric), None
     sides: dict[str, Elements] = {}
     if bending.needs_neighbours:
         share = flat_share(mesh.triangles, mesh.closed_hinges is not None)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from asterism.discrete.energies.bending.fabric_bending import FABRIC_BENDING, BendingMesh
+from asterism.discrete.energies.bending.fabric_bending import BendingMesh, bending_of
 from asterism.discrete.energies.bending.plate import patches
 from asterism.discrete.energies.elements import Elements
 from asterism.discrete.model.discrete_model import DiscreteModel
@@ -52,7 +52,7 @@ def cell_mesh(design: Design, edge_mm: float, repeat: tuple[int, int] = (1, 1)) 
     no mesh follows the arms, or the design asks for a graded mesh and arms do not lie on lattice lines.
     """
     lattice, vectors = design.lattice, np.asarray(design.lattice.vectors)
-    length, surrounded = star_size(design, "length_mm"), FABRIC_BENDING[design.fabric.bending].needs_neighbours
+    length, surrounded = star_size(design, "length_mm"), bending_of(design.fabric).needs_neighbours
     on_lines = aligned_lines(lattice)
     if on_lines is not None:
         directions = on_lines if length else on_lines[:0]
@@ -317,7 +317,7 @@ def _motif_and_mesh(design: Design, edge_mm: float, repeat: tuple[int, int]) -> 
     if design.stars is not None:
         raise DesignError("rods", "must stand alone in a unit cell, without [stars]")
     motif = motif_graph(design.rods, design.lattice)
-    return motif, motif_cell_mesh(motif, edge_mm, repeat, FABRIC_BENDING[design.fabric.bending].needs_neighbours)
+    return motif, motif_cell_mesh(motif, edge_mm, repeat, bending_of(design.fabric).needs_neighbours)
 
 
 def _rows(part: Elements, rows: slice) -> Elements:

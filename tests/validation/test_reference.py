@@ -16,7 +16,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from asterism.discrete.energies.bending.hinges import Hinges, hinge_coefficients, interior_edges
+from asterism.discrete.energies.bending.fabric_bending import interior_edges
+from asterism.discrete.energies.bending.hinges import Hinges, hinge_coefficients
 from asterism.discrete.energies.elements import Elements
 from asterism.discrete.energies.membrane import Membrane
 from asterism.discrete.energies.rods.network import RodNetwork, bend_params, rod_network, stencil_inputs, stencil_length
