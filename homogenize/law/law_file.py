@@ -173,11 +173,9 @@ def _table(plan: LawPlan, archive: Mapping[str, Any], number: int) -> tuple[Floa
     stored, solved = (archive[f"{number}/{name}"] for name in ("stored", "solved"))
     shape = tuple(len(nodes) for nodes in plan.axis_nodes)
     columns = (MotifTable if plan.is_motif else StarTable).columns(plan)
-    # a law that was made before a size was known has no axis for it
-    for array, wanted in ((stored, (*shape, columns)), (solved, shape)):
-        if [n for n in array.shape if n > 1] != [n for n in wanted if n > 1]:
-            raise ValueError("arrays do not fit together")
-    if solved.dtype != bool:
+    # axes of one node do not count: a law that was made before a size was known has none for it
+    given, wanted = ([n for n in each if n > 1] for each in (stored.shape, (*shape, columns)))
+    if given != wanted or solved.shape != stored.shape[:-1] or solved.dtype != bool:
         raise ValueError("arrays do not fit together")
     if not np.isfinite(stored).all():
         raise ValueError("quantities must be finite")

@@ -15,7 +15,7 @@ import scipy.sparse as sp
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.anisotropy import BENDING_COLUMNS, MOMENT_COLUMNS, tube_of_largest_gain
-from asterism.homogenize.law.axes import law_coordinates
+from asterism.homogenize.law.plan import law_coordinates
 from asterism.homogenize.law.star_law import MAX_SEPARATED_CURL, QUANTITY_NAMES, StarLaw
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.lattice import DEFAULT_SPACING_MM

@@ -65,8 +65,8 @@ export function brushPanel(studio, { on }) {
       }),
       numbers().map(([of, number]) => {
         const limits = () => number.limits(shown(), QUANTITIES[brush().quantity].step);
-        const value = () => clamp(brush()[number.key], ...limits());
-        return field(number.label, number.key, { digits: 2, ...number, limits, value, hidden: () => brush().mode !== of });
+        const now = { limits, value: () => clamp(brush()[number.key], ...limits()), hidden: () => brush().mode !== of };
+        return field(number.label, number.key, { digits: 2, ...number, ...now });
       }),
       field("Radius", "radius"),
       field("Strength", "strength", { hidden: hasNoSize }),
