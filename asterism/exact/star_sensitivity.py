@@ -25,7 +25,7 @@ from asterism.equilibrium.errors import Error
 from asterism.equilibrium.newton.minimise import is_definite_on_support
 from asterism.equilibrium.threads import one_blas_thread
 from asterism.pattern.design.design import Design
-from asterism.pattern.design.stars import SIZE_KEYS, STAR_SIZES, SizeName
+from asterism.pattern.design.stars import LENGTH, SIZE_KEYS, STAR_SIZES, SizeName
 from asterism.pattern.geometry.normals import sum_at_vertices
 from asterism.pattern.geometry.planar import triangle_areas
 from asterism.pattern.layout.build import layout
@@ -34,6 +34,8 @@ from asterism.pattern.rods.graph import RodGraph
 from asterism.shape.shape import Shape
 from asterism.shape.surface_fields import deformation_gradients, directed_edges
 
+# lattice steps between stars of which one of `STAR_SIZES` is changed together: a length moves the mesh
+COLOUR_STEPS = tuple(3 if size is LENGTH else 2 for size in STAR_SIZES)
 # change of a size for the differences: of lengths in mm, of others relative to them
 SIZE_STEP = 1e-4
 
@@ -94,13 +96,11 @@ def _forces(model: DiscreteModel, state: State, size: SizeName, moved: Callable[
     if rounding is not None and rounding.rounds(size):
         return sp.coo_array((model.n_dofs, len(known)))  # it stays as it is printed
     gradient, vertex = model.full_gradient(state), model.vertex_of_dofs
-    is_length = size == "length_mm"
-    steps = np.full(len(known), SIZE_STEP) * (1.0 if is_length else known)
+    steps = np.full(len(known), SIZE_STEP) * (1.0 if size == "length_mm" else known)
     # down, since longer arms may reach others, but not below what can be printed
     steps = np.where(known - steps < STAR_SIZES[column].limits[0], steps, -steps)
     parts = []
-    # lattice steps between stars that are changed together: a length moves the mesh
-    for stars in stars_apart(plan, 3 if is_length else 2):
+    for stars in stars_apart(plan, COLOUR_STEPS[column]):
         sizes = size_rows({size: known[stars] + steps[stars]})
         design = with_painted_stars(model.design, plan.sites[stars], sizes)
         changed = layout(design)
