@@ -7,7 +7,6 @@ import tomllib
 from pathlib import Path
 
 from asterism.pattern import gallery
-from asterism.pattern.design.stars import STAR_SIZES
 from asterism.studio.server import PAGE
 
 ROOT = Path(__file__).parents[3]
@@ -22,13 +21,6 @@ def test_all_files_are_package_data():
     covered = {file for pattern in patterns for file in STUDIO.glob(pattern)}
     assert [file.name for file in FILES if file not in covered] == []
     assert (PAGE / "index.html").is_file()
-
-
-def test_the_page_knows_the_sizes_of_stars():
-    entries = re.findall(
-        r'(\w+): \{ key: "(\w+)", name: "\w+", column: (\d)', (PAGE / "format.js").read_text(encoding="utf-8")
-    )
-    assert entries == [(size.name, size.key, str(column)) for column, size in enumerate(STAR_SIZES)]
 
 
 def test_every_design_of_the_gallery_has_a_small_picture():
