@@ -14,6 +14,7 @@ from scipy.spatial import cKDTree
 
 from asterism.equilibrium.arrays import Floats
 from asterism.fem.search.linear_response import stress_responses, stress_under
+from asterism.pattern.design.rounding import rounded
 from asterism.pattern.design.stars import SIZE_KEYS, SizeName
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.painted_stars import size_rows, stars_apart, with_painted_stars
@@ -63,7 +64,7 @@ def _changed_values(state: PreviewState, size: SizeName) -> tuple[StarValues, Fl
     stars, known = design.required_stars, dict(zip(SIZE_KEYS, plan.star_sizes_mm.T, strict=True))
     kept: dict[SizeName, Floats] = {}
     if stars.rounding is not None and stars.rounding.rounds(size):
-        kept = {key: stars.rounding.rounded(key, values) for key, values in known.items()}
+        kept = {key: rounded(stars.rounding, key, values) for key, values in known.items()}
         stars = stars.model_copy(update={"rounding": None})
     before = (kept or known)[size]
     steps = size_steps(state, size, before)

@@ -22,6 +22,7 @@ from asterism.homogenize.law.plan import (
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.rods import Rods
+from asterism.pattern.design.rounding import rounded
 from asterism.pattern.design.sizing.profiles import Profile
 from asterism.pattern.design.stars import ROD_SIZE_KEYS, STAR_SIZES, StarSize
 from asterism.pattern.layout.build import layout as layout_of
@@ -154,7 +155,7 @@ def _lines(rods: Rods, lines: list[dict[str, Any]], sizes: tuple[Size, ...]) -> 
         for key in ROD_SIZE_KEYS:
             field = rods.size_of(drawn, key)
             if not isinstance(field, Profile):
-                line[key] = float(rods.printed(key, np.array([field]))[0])
+                line[key] = float(rounded(rods.rounding, key, np.array([field]))[0])
     for size in sizes:
         for number in size.lines or ():
             lines[number][size.key] = size.nodes[0]

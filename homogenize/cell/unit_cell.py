@@ -30,6 +30,7 @@ from asterism.homogenize.cell.point_group import (
 )
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError, MeshError
+from asterism.pattern.design.rounding import rounded
 from asterism.pattern.design.stars import ROD_SIZES
 from asterism.pattern.geometry.planar import triangle_areas
 from asterism.pattern.layout.layout import Layout
@@ -78,9 +79,7 @@ def star_size(design: Design, name: str) -> float:
     for number, change in enumerate(stars.override):
         if change.remove or getattr(change, name) is not None:
             raise ValueError(f"stars.override[{number}] must not change a star: all stars of a unit cell are equal")
-    if stars.rounding is not None:
-        value = stars.rounding.rounded(name, np.asarray(value))
-    return float(value)
+    return float(rounded(stars.rounding, name, np.asarray(value)))
 
 
 def _check_clear(vectors: Floats, directions: Floats, length: float, width: float) -> None:

@@ -22,6 +22,7 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.design.rods import DrawnLine, Rods
+from asterism.pattern.design.rounding import rounded
 from asterism.pattern.design.sizing.profiles import Profile, SizingField, sample
 from asterism.pattern.design.stars import LENGTH, ROD_SIZE_KEYS, SIZE_KEYS, STAR_SIZES, SizeName, StarSize
 from asterism.pattern.layout.layout import Layout
@@ -321,7 +322,7 @@ class LawPlan:
         Raises `ForeignLaw` as `sources` does.
         """
         columns = [
-            design.required_rods.printed(size.key, sample(field, points))
+            rounded(design.required_rods.rounding, size.key, sample(field, points))
             for size, field in zip(self.sizes, self.sources(design), strict=True)
         ]
         return np.stack(columns, axis=-1) if columns else np.empty((len(points), 0))
@@ -394,7 +395,7 @@ def without_law(design: Design) -> DesignError | None:
 def _number(rods: Rods, line: DrawnLine, key: str) -> float | str:
     """A size of a line as it is printed."""
     source = rods.size_of(line, key)
-    return "a profile" if isinstance(source, Profile) else float(rods.printed(key, np.array([source]))[0])
+    return "a profile" if isinstance(source, Profile) else float(rounded(rods.rounding, key, np.array([source]))[0])
 
 
 def stretch_text(stretch: Stretch) -> str:

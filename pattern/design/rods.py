@@ -6,7 +6,6 @@ from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
-from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.border import MAX_RADIUS_MM, MIN_RADIUS_MM, DrawnCircle
 from asterism.pattern.design.errors import DesignError, one_line
 from asterism.pattern.design.materials import CurvaturePerMm
@@ -152,10 +151,6 @@ class Rods(Section):
         own: SizingField | None = getattr(line, key)
         shared: SizingField = getattr(self, key)
         return shared if own is None else own
-
-    def printed(self, key: str, exact: Floats) -> Floats:
-        """Values of a size as they are printed."""
-        return exact if self.rounding is None else self.rounding.rounded(key, exact)
 
     def face(self, line: DrawnLine) -> int:
         """1 for a line above the fabric, -1 for one below."""

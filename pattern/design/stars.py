@@ -16,7 +16,7 @@ from pydantic import Field, model_validator
 
 from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.errors import DesignError
-from asterism.pattern.design.rounding import Rounding
+from asterism.pattern.design.rounding import Rounding, rounded
 from asterism.pattern.design.section import Flag, Number, Point, Section, Side, Whole
 from asterism.pattern.design.sizing.profiles import SizingField
 
@@ -81,9 +81,7 @@ ROD_SIZE_KEYS: tuple[RodSizeKey, ...] = get_args(RodSizeKey)
 
 def rounded_sections(rounding: Rounding | None, sections: Floats) -> Floats:
     """Sections (..., K), in the order of `ROD_SIZES`, as they are printed."""
-    if rounding is None:
-        return sections
-    return np.stack([rounding.rounded(size.key, sections[..., k]) for k, size in enumerate(ROD_SIZES)], axis=-1)
+    return np.stack([rounded(rounding, size.key, sections[..., k]) for k, size in enumerate(ROD_SIZES)], axis=-1)
 
 
 class Override(Section):
