@@ -28,7 +28,7 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError, check_type, from_validation
 from asterism.pattern.design.materials import BendingStiffness, Fabric, Plastic, ResidualCurvature
 from asterism.pattern.design.spread import Spread
-from asterism.pattern.design.stars import THICKNESS_RANGE_MM
+from asterism.pattern.design.stars import ROD_SIZES, THICKNESS, THICKNESS_RANGE_MM
 from asterism.pattern.geometry.diameter import diameter
 from asterism.pattern.geometry.point_location import locate
 from asterism.pattern.layout.build import layout
@@ -174,6 +174,7 @@ def varied(design: Design, plan: Layout, t: Mapping[str, float]) -> tuple[Design
         raise from_validation(error) from None
     low, high = THICKNESS_RANGE_MM
     thickness = np.concatenate([rod.thickness for rod in plan.graph.rods]) + thicker
+    more_section = np.where([size is THICKNESS for size in ROD_SIZES], thicker, 0.0)
     if thickness.min() < low or thickness.max() > high:
         worst = thickness.min() if thickness.min() < low else thickness.max()
         raise DesignError("", f"a thickness of {worst:.3g} mm must be from {low:g} to {high:g}")
@@ -182,9 +183,9 @@ def varied(design: Design, plan: Layout, t: Mapping[str, float]) -> tuple[Design
         bars = [None if rod.kappa_bar is None else rod.kappa_bar + more for rod in drawn.rods]
         rods = zip(drawn.rods, bars, strict=True)
         drawn = replace(
-            drawn, rods=tuple(replace(rod, thickness=rod.thickness + thicker, kappa_bar=bar) for rod, bar in rods)
+            drawn, rods=tuple(replace(rod, sections=rod.sections + more_section, kappa_bar=bar) for rod, bar in rods)
         )
-    return design.model_copy(update=new), replace(plan, arm_thickness=plan.arm_thickness + thicker, drawn=drawn)
+    return design.model_copy(update=new), replace(plan, arm_sections=plan.arm_sections + more_section, drawn=drawn)
 
 
 def varied_model(model: DiscreteModel, t: Mapping[str, float]) -> DiscreteModel:

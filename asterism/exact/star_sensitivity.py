@@ -25,21 +25,19 @@ from asterism.equilibrium.errors import Error
 from asterism.equilibrium.newton.minimise import is_definite_on_support
 from asterism.equilibrium.threads import one_blas_thread
 from asterism.pattern.design.design import Design
-from asterism.pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM
+from asterism.pattern.design.stars import LENGTH, SIZE_KEYS, STAR_SIZES, SizeName
 from asterism.pattern.geometry.normals import sum_at_vertices
 from asterism.pattern.geometry.planar import triangle_areas
 from asterism.pattern.layout.build import layout
-from asterism.pattern.layout.painted_stars import SIZE_KEYS, SizeName, stars_apart, with_painted_stars
+from asterism.pattern.layout.painted_stars import size_rows, stars_apart, with_painted_stars
 from asterism.pattern.rods.graph import RodGraph
 from asterism.shape.shape import Shape
 from asterism.shape.surface import deformation_gradients, directed_edges
 
-# lattice steps between stars whose length, thickness or width is changed together: a length moves the mesh
-COLOUR_STEPS = (3, 2, 2)
-# change of a size for the differences: of lengths in mm, of thicknesses and widths relative to them
+# lattice steps between stars of which one of `STAR_SIZES` is changed together: a length moves the mesh
+COLOUR_STEPS = tuple(3 if size is LENGTH else 2 for size in STAR_SIZES)
+# change of a size for the differences: of lengths in mm, of others relative to them
 SIZE_STEP = 1e-4
-# mm, below which a size cannot be printed: steps go down, since longer arms may reach others, but not below
-LEAST_MM = (MIN_ARM_MM, THICKNESS_RANGE_MM[0], WIDTH_RANGE_MM[0])
 
 
 class SaddleError(Error, ValueError):
@@ -79,7 +77,7 @@ class StarResponse:
         if not is_definite_on_support(model, state, model.hessian(state, 0.0), self._factor):
             raise SaddleError("sensitivities belong to a minimum")
         moved = _followed(model)
-        self._forces = sp.hstack([_forces(model, state, SIZE_KEYS.index(size), moved) for size in sizes]).tocsr()
+        self._forces = sp.hstack([_forces(model, state, size, moved) for size in sizes]).tocsr()
 
     def __call__(self, changes: Floats) -> Floats:
         """(V, 3, n) mm, moves of the vertices for changes (K S, n) of the sizes, mm: first all of the first size."""
@@ -88,21 +86,22 @@ class StarResponse:
         return response[: 3 * model.n_vertices].reshape(model.n_vertices, 3, -1)
 
 
-def _forces(model: DiscreteModel, state: State, column: int, moved: Callable[[Floats], Floats]) -> sp.coo_array:
+def _forces(model: DiscreteModel, state: State, size: SizeName, moved: Callable[[Floats], Floats]) -> sp.coo_array:
     """(n_dofs, S) change of the energy's gradient per mm of one size of each star, at its vertices.
 
     `moved`: moves of all vertices of the mesh for those of the rods.
     """
+    column, rounding = SIZE_KEYS.index(size), model.design.required_stars.rounding
     plan, known = model.layout, model.layout.star_sizes_mm[:, column]
-    if column > 0 and model.design.required_stars.rounding is not None:
+    if rounding is not None and rounding.rounds(size):
         return sp.coo_array((model.n_dofs, len(known)))  # it stays as it is printed
     gradient, vertex = model.full_gradient(state), model.vertex_of_dofs
-    steps = np.full(len(known), SIZE_STEP) * (1.0 if column == 0 else known)
-    steps = np.where(known - steps < LEAST_MM[column], steps, -steps)
+    steps = np.full(len(known), SIZE_STEP) * (1.0 if size == "length_mm" else known)
+    # down, since longer arms may reach others, but not below what can be printed
+    steps = np.where(known - steps < STAR_SIZES[column].limits[0], steps, -steps)
     parts = []
     for stars in stars_apart(plan, COLOUR_STEPS[column]):
-        sizes = np.full((len(stars), len(SIZE_KEYS)), np.nan)
-        sizes[:, column] = known[stars] + steps[stars]
+        sizes = size_rows({size: known[stars] + steps[stars]})
         design = with_painted_stars(model.design, plan.sites[stars], sizes)
         changed = layout(design)
         moves = moved(_rod_moves(model, changed.graph))

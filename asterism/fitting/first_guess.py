@@ -22,10 +22,11 @@ from asterism.homogenize.law.anisotropy import BENDING_POISSON
 from asterism.homogenize.law.star_law import StarLaw
 from asterism.pattern.design.design import Design, FitWeights, WeightedSite
 from asterism.pattern.design.lattice import Lattice
+from asterism.pattern.design.stars import STAR_SIZES
 from asterism.pattern.geometry.planar import cross_2d, distance_to_outline, inside
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
-from asterism.pattern.layout.painted_stars import with_painted_stars
+from asterism.pattern.layout.painted_stars import size_rows, with_painted_stars
 from asterism.process.progress import Say, ignore_line
 from asterism.process.settings import FitSettings
 from asterism.results.records.fit import ReachRecord
@@ -60,15 +61,18 @@ def guess_design(
         raise LawError("a fit to a surface needs a law of equal stretch in x and y", field="fabric.stretch")
     say("flattening the target")
     flat = flatten_target(target)
-    thinnest, widest = law.size_ranges(law.even_stretches[0])["width_mm"]
+    ranges = law.size_ranges(law.even_stretches[0])
+    thinnest, widest = ranges["width_mm"]
     settings = settings or FitSettings()
     stretch, needles, width_mm = settings.stretch, settings.needles, settings.width_mm
     if width_mm is not None and not thinnest <= width_mm <= widest:
         raise LawError(f"width_mm = {width_mm:g}: the law covers {thinnest:g} to {widest:g} mm")
-    # mm, width of the arms unless the law does not cover it
-    width = float(np.clip(1.2, thinnest, widest)) if width_mm is None else float(width_mm)
-    menus = [StarMenu.of(law, available, width) for available in law.even_stretches]
-    menu = choose_stretch(flat.ratio, menus) if stretch is None else StarMenu.of(law, stretch, width)
+    # sizes that the fit does not change are the usual ones, unless the law does not cover them
+    kept = {size.key: float(np.clip(size.usual, *ranges[size.key])) for size in STAR_SIZES[2:]}
+    if width_mm is not None:
+        kept["width_mm"] = float(width_mm)
+    menus = [StarMenu.of(law, available, kept) for available in law.even_stretches]
+    menu = choose_stretch(flat.ratio, menus) if stretch is None else StarMenu.of(law, stretch, kept)
     lattice = law.plan.design.lattice
     unplaced = TargetMap(flat, np.exp(_log_size(flat, menu)) * flat.points, lattice.spacing_mm)
     check_size(target.name, unplaced, menu, menus, abs(float(np.linalg.det(lattice.vectors))))
@@ -86,8 +90,8 @@ def guess_design(
     say(f"{len(stars)} stars, {held}, stretch {menu.stretch:g}")
     bare = _design(target, law, menu, outline, border)
     plan = layout(bare)
-    guessed = _sizes_from_law(target_map, menu, plan.centres)
-    sizes = np.column_stack([guessed, np.full(len(guessed), np.nan)]).round(FITTED_SIZE_DECIMALS)
+    lengths, thicknesses = _sizes_from_law(target_map, menu, plan.centres).round(FITTED_SIZE_DECIMALS).T
+    sizes = size_rows({"length_mm": lengths, "thickness_mm": thicknesses})
     design = _with_weights(with_painted_stars(bare, plan.sites, sizes), target, target_map, plan)
     return FirstGuess(design, target, target_map, menu, reach)
 
@@ -149,7 +153,7 @@ def _design(target: TargetSurface, law: StarLaw, menu: StarMenu, outline: _Outli
         "fabric": cell["fabric"] | {"stretch": menu.stretch},
         "plastic": cell["plastic"],
         "lattice": cell["lattice"],
-        "stars": {"length_mm": float(np.round(np.mean(MIDDLE_ARMS_MM), 1)), "width_mm": menu.width_mm},
+        "stars": {"length_mm": float(np.round(np.mean(MIDDLE_ARMS_MM), 1)), **menu.kept},
         "border": {
             "polygon_mm": outline.corners.round(FITTED_SIZE_DECIMALS).tolist(),
             "star_margin_mm": FITTED_STAR_MARGIN_MM,

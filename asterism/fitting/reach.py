@@ -13,6 +13,7 @@ from asterism.equilibrium.errors import Error
 from asterism.fitting.disk import place_text
 from asterism.fitting.flatten import TargetMap
 from asterism.homogenize.law.star_law import MAX_SEPARATED_CURL, StarLaw
+from asterism.pattern.design.stars import SizeName
 from asterism.pattern.geometry.planar import polygon_area
 from asterism.pattern.layout.star_cells import MAX_STARS_OF_DESIGN
 from asterism.results.records.fit import ReachRecord
@@ -30,11 +31,11 @@ MIN_FITTED_ARM_MM = 2.0
 
 @dataclass(frozen=True, eq=False)
 class StarMenu:
-    """Stars of one width at one stretch, over a grid of L lengths and H thicknesses."""
+    """Stars at one stretch, alike in what a fit does not change, over a grid of L lengths and H thicknesses."""
 
-    stretch: float  # of all stars, as their spacing and width
+    stretch: float  # of all stars, as their spacing
     spacing_mm: float
-    width_mm: float
+    kept: dict[SizeName, float]  # width of all stars, and further sizes that the fit does not change
     lengths_mm: Floats  # (L,)
     thicknesses_mm: Floats  # (H,)
     contraction: Floats  # (L, H) length over printed length of the natural tube, as in supported previews
@@ -42,7 +43,7 @@ class StarMenu:
     allowed: np.ndarray  # (L, H) in the range of the law, and separated in scale from the sheet
 
     @classmethod
-    def of(cls, law: StarLaw, stretch: float, width_mm: float) -> StarMenu:
+    def of(cls, law: StarLaw, stretch: float, kept: dict[SizeName, float]) -> StarMenu:
         """The menu of a law; `ForeignLaw` if it has no table for the stretch."""
         table = law.at(stretch)
         ranges = table.size_ranges
@@ -50,11 +51,11 @@ class StarMenu:
         lengths = np.linspace(max(low, MIN_FITTED_ARM_MM), high, 56)
         thicknesses = np.geomspace(*ranges["thickness_mm"], 31)
         grid = np.stack(np.meshgrid(lengths, thicknesses, indexing="ij"), axis=-1).reshape(-1, 2)
-        stars = table(grid[:, 0], grid[:, 1], width_mm)
+        stars = table(grid[:, 0], grid[:, 1], *kept.values())
         shape = (len(lengths), len(thicknesses))
         contraction, kappa = (stars.value[name].reshape(shape) for name in ("lam_n", "kappa"))
         allowed = (stars.inside & ~stars.not_scale_separated).reshape(shape)
-        return cls(stretch, table.spacing_mm, width_mm, lengths, thicknesses, contraction, kappa, allowed)
+        return cls(stretch, table.spacing_mm, kept, lengths, thicknesses, contraction, kappa, allowed)
 
     @cached_property
     def range(self) -> tuple[float, float]:

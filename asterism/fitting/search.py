@@ -33,7 +33,7 @@ from asterism.homogenize.law.star_law import StarLaw
 from asterism.pattern.design.design import Design
 from asterism.pattern.geometry.point_location import locate
 from asterism.pattern.layout.layout import Layout
-from asterism.pattern.layout.painted_stars import with_painted_stars
+from asterism.pattern.layout.painted_stars import size_rows, with_painted_stars
 from asterism.previews.session import Preview
 from asterism.previews.solve import EDIT_START
 from asterism.previews.star_sensitivity import star_sensitivity
@@ -106,8 +106,9 @@ class StarUnknowns:
 
     def design(self, base: Design) -> Design:
         """A design with these sizes."""
-        sizes = self.sizes_mm.round(FITTED_SIZE_DECIMALS)
-        return with_painted_stars(base, self.plan.sites, np.column_stack([sizes, np.full(len(sizes), np.nan)]))
+        lengths, thicknesses = self.sizes_mm.round(FITTED_SIZE_DECIMALS).T
+        sizes = size_rows({"length_mm": lengths, "thickness_mm": thicknesses})
+        return with_painted_stars(base, self.plan.sites, sizes)
 
     def roughness(self) -> sp.csr_array:
         """(2 S, 2 S) matrix R with `z R z` the mean square difference of the unknowns z of neighbouring stars."""

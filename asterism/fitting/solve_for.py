@@ -15,16 +15,16 @@ from scipy.optimize import brentq, least_squares
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.fitting.disk import place_text
 from asterism.fitting.reach import MIN_FITTED_ARM_MM, ReachError
-from asterism.homogenize.law.axes import AXES
 from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.star_law import StarLaw
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.entries import with_entries
 from asterism.pattern.design.errors import check_type
 from asterism.pattern.design.section import is_whole
+from asterism.pattern.design.stars import SIZE_KEYS, SizeName
 from asterism.pattern.geometry.planar import inside
 from asterism.pattern.layout.build import layout
-from asterism.pattern.layout.painted_stars import SIZE_KEYS, SizeName, with_painted_stars
+from asterism.pattern.layout.painted_stars import size_rows, with_painted_stars
 from asterism.previews.law_choice import serving_law
 from asterism.previews.session import Preview, preview
 from asterism.previews.star_sensitivity import size_steps
@@ -85,16 +85,14 @@ def solve_for(
     if not (isinstance(value, int | float) and np.isfinite(value) and value > 0.0):
         raise ValueError(f"value = {value!r}: must be a number of mm above 0")
     law, tell, plan = law or serving_law(design), say or ignore_line, layout(design)
-    column = SIZE_KEYS.index(change)
-    sizes = plan.star_sizes_mm[:, column]
-    low, high = law.size_ranges(law.check(design).stretch)[AXES[column].key]
+    sizes = plan.star_sizes_mm[:, SIZE_KEYS.index(change)]
+    low, high = law.size_ranges(law.check(design).stretch)[change]
     low = max(low, MIN_FITTED_ARM_MM) if change == "length_mm" else low
 
     def scaled(factor: float) -> Design:
         """The design with sizes scaled, within the law's range."""
-        changed: Floats = np.full((len(sizes), len(SIZE_KEYS)), np.nan)
-        changed[:, column] = np.clip(factor * sizes, low, high).round(4)
-        return with_painted_stars(design, plan.sites, changed)
+        changed = np.clip(factor * sizes, low, high).round(4)
+        return with_painted_stars(design, plan.sites, size_rows({change: changed}))
 
     @cache
     def measured(factor: float) -> float:
@@ -283,25 +281,23 @@ def sensitivity(
     check_type(design, Design, "load_design reads one from a file")
     if not (of == "height_mm" or callable(of)):
         raise ValueError(f"of = {of!r}: must be 'height_mm' or a function of a shape")
-    if by not in get_args(SizeName):
-        raise ValueError(f"by = {by!r}: must be {' or '.join(get_args(SizeName))}")
+    if by not in SIZE_KEYS:
+        raise ValueError(f"by = {by!r}: must be {' or '.join(SIZE_KEYS)}")
     stars = design.required_stars.model_copy(update={"rounding": None})
     design = design.model_copy(update={"stars": stars})
     preview = Preview(design, law)
     if not preview.equilibrium.is_minimum:
         raise ValueError("the search finds no minimum, and only a minimum has derivatives")
-    shown, plan, column = preview.shape(), preview.state.layout, SIZE_KEYS.index(by)
+    shown, plan = preview.shape(), preview.state.layout
 
     def quantity(x: Any) -> Floats:
         moved = replace(shown, positions=preview.at(shown.printed, x).bumpy)
         moved = moved if moved.held else moved.aligned()
         return np.asarray(moved.height_mm if of == "height_mm" else of(moved), dtype=float)  # type: ignore[operator]
 
-    value, sizes = quantity(None), plan.star_sizes_mm[:, column]
+    value, sizes = quantity(None), plan.star_sizes_mm[:, SIZE_KEYS.index(by)]
     changes = []
     for site, size, step in zip(plan.sites, sizes, size_steps(preview.state, by, sizes), strict=True):
-        row = np.full((1, len(SIZE_KEYS)), np.nan)
-        row[0, column] = size + step
-        response = next(preview.edit(with_painted_stars(design, site[None], row)))
+        response = next(preview.edit(with_painted_stars(design, site[None], size_rows({by: size + step}))))
         changes.append((quantity(response.x) - value) / step)
     return Sensitivity(value, np.array(changes), plan.star_number, plan.centres)

@@ -18,8 +18,9 @@ from asterism.hops.parameters import InputError, Parameter, closed
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.files import table_text
 from asterism.pattern.design.material_files import material_files
+from asterism.pattern.design.stars import ROD_SIZES, STAR_SIZES
 from asterism.pattern.geometry.planar import dense_outline
-from asterism.pattern.layout.painted_stars import SIZE_KEYS, with_painted_stars
+from asterism.pattern.layout.painted_stars import with_painted_stars
 from asterism.pattern.layout.star_cells import outline as outline_of
 from asterism.pattern.layout.star_cells import star_cells
 from asterism.previews.session import Preview
@@ -144,7 +145,7 @@ def _each(values: Values, name: str, count: int, what: str) -> list[float]:
 
 
 def _sheet(work: Work, values: Values) -> Answer:
-    sizes = dict(zip(SIZE_KEYS, ("lengths", "thicknesses", "widths"), strict=True))
+    sizes = {size.key: size.plural for size in STAR_SIZES}
     table = {**_base(values), "stars": {key: values[name][0] for key, name in sizes.items() if values[name]}}
     if values["material"]:
         name = values["material"][0]
@@ -172,14 +173,13 @@ def _sheet(work: Work, values: Values) -> Answer:
 
 def _rods(work: Work, values: Values) -> Answer:
     curves, rods = values["curves"], []
-    sections = {
-        key: _each(values, name, len(curves), "curves")
-        for key, name in (("thickness_mm", "thicknesses"), ("width_mm", "widths"))
+    sections: dict[str, list[float]] = {
+        size.key: _each(values, size.plural, len(curves), "curves") for size in ROD_SIZES
     }
     for number, curve in enumerate(curves):
         is_closed = len(curve) > 3 and np.allclose(curve[0], curve[-1], atol=1e-6)
         line = curve[:-1] if is_closed else curve
-        own = {key: given[number] for key, given in sections.items() if given}
+        own: dict[str, float] = {key: given[number] for key, given in sections.items() if given}
         rods.append({"name": f"curve {number}", "line_mm": line.tolist(), "closed": is_closed, **own})
     design = Design.from_dict({**_base(values), "fabric": {"stretch": values["stretch"][0]}, "rods": {"draw": rods}})
     shape = work.exact(design)
@@ -204,7 +204,7 @@ def _fit(work: Work, values: Values) -> Answer:
     plan = fitted.preview.layout
     assert plan is not None
     found = {
-        **dict(zip(("lengths", "thicknesses", "widths"), plan.star_sizes_mm.T.tolist(), strict=True)),
+        **dict(zip((size.plural for size in STAR_SIZES), plan.star_sizes_mm.T.tolist(), strict=True)),
         "outline": np.array(_in_space([*plan.outline, plan.outline[0]])),
         "sites": _in_space(plan.centres),
         "distance": 0.01 * fitted.summary.preview.mean_percent * fitted.summary.diameter_mm,
@@ -282,10 +282,8 @@ _LATTICE = (
     Parameter("spacing", "Length", "Distance of nearest stars; 17.32 mm without one", 0),
     Parameter("arms", "Integer", "Arms of a star", default=3, minimum=3, maximum=8),
 )
-_SIZES = (
-    Parameter("thicknesses", "Length", "Of the plastic: one, or one for each item; 0.3 mm without one", 0, 5000),
-    Parameter("widths", "Length", "Of the plastic: one, or one for each item; 1.2 mm without one", 0, 5000),
-)
+_SECTION = "Of the plastic: one, or one for each item; {:g} mm without one"
+_SIZES = tuple(Parameter(size.plural, "Length", _SECTION.format(size.usual), 0, 5000) for size in ROD_SIZES)
 _TEXT = Parameter("design", "Text", "Text of the design, a file in TOML")
 _SHAPE = (
     Parameter("mesh", "Mesh", "The sheet in space"),
@@ -350,9 +348,7 @@ COMPONENTS = {
             (
                 Parameter("outline", "Curve", "Outline of the sheet on the printer"),
                 Parameter("sites", "Place", "Centres of the stars"),
-                Parameter("lengths", "Length", "Of the star at each site"),
-                Parameter("thicknesses", "Length", "Of the star at each site"),
-                Parameter("widths", "Length", "Of the star at each site"),
+                *(Parameter(size.plural, "Length", "Of the star at each site") for size in STAR_SIZES),
                 Parameter("distance", "Length", "Mean distance of the sheet from the surface"),
                 _TEXT,
             ),

@@ -30,13 +30,13 @@ from asterism.homogenize.campaign.fit_law import fit_law
 from asterism.homogenize.campaign.kept_samples import cells_folder, code_version
 from asterism.homogenize.cell.point_group import MIN_RESOLVED_CURL, differs_by_direction
 from asterism.homogenize.law.anisotropy import predicted_curvatures
-from asterism.homogenize.law.axes import AXES
 from asterism.homogenize.law.law import Law, LawTable
 from asterism.homogenize.law.law_file import PAPER_LAW, law_bytes, law_digest, load_law
 from asterism.homogenize.law.motif_law import MotifLaw
 from asterism.homogenize.law.plan import LawPlan, SampleRecord, Size, stretch_text, without_law
 from asterism.homogenize.law.star_law import MAX_SEPARATED_CURL, QUANTITY_NAMES, StarLaw, StarTable
 from asterism.homogenize.law.tensor_forms import TO_VOIGT, SheetTensors, plane_matrix
+from asterism.pattern.design.stars import STAR_SIZES
 from asterism.previews.model import PREVIEW_MODEL
 from asterism.process.progress import CountLine, without_numbers
 from asterism.process.version import __version__
@@ -254,7 +254,7 @@ def _star_figure(law: StarLaw) -> Figure:
             _star_curves(axes, table, name)
             style_axes(axes, label, "length of the arms, mm", size=9, side="right")
             if column == 0:
-                sizes = zip(AXES[2:], _middle_sizes(table), strict=True)
+                sizes = zip(STAR_SIZES[2:], _middle_sizes(table), strict=True)
                 others = "".join(f", {axis.name} {size:g} mm" for axis, size in sizes)
                 title = f"stretch {stretch_text(table.stretch)}{others}; thickness"
                 axes.legend(title=title, fontsize=7, title_fontsize=7, frameon=False)

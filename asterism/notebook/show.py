@@ -17,8 +17,9 @@ from asterism.homogenize.law.star_law import StarLaw
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.pins import Pins
 from asterism.pattern.design.section import is_whole
+from asterism.pattern.design.stars import SIZE_KEYS, STAR_SIZES
 from asterism.pattern.layout.layout import Layout
-from asterism.pattern.layout.painted_stars import SIZE_KEYS, with_painted_stars
+from asterism.pattern.layout.painted_stars import with_painted_stars
 from asterism.previews.session import Preview
 from asterism.previews.solve import EDIT_START
 from asterism.shape.shape import Shape
@@ -99,7 +100,7 @@ def show(shown: Shape | Preview, sliders: Sequence[str] | None = None, height_px
     return SheetWidget(live.opening(), height_px, live.answer)
 
 
-SIZE_SLIDERS = {"length": "Length", "thickness": "Thickness", "width": "Width"}
+SIZE_SLIDERS = {size.name: size.name.capitalize() for size in STAR_SIZES}
 SLIDERS = (*SIZE_SLIDERS, "stretch", "needle_scale", "needle_height")
 # Values of the widget's traits that change together: `mesh` and `frame` as bytes, `panel` as a table.
 Traits = dict[str, Any]
@@ -326,7 +327,7 @@ class SliderBoard:
         stars, columns = design.required_stars, np.flatnonzero(changed)
         if not stars.override and all(isinstance(getattr(stars, SIZE_KEYS[k]), int | float) for k in columns):
             star = int(np.flatnonzero(self._is_star)[0])
-            update = {SIZE_KEYS[k]: float(sizes[star, k]) for k in columns}
+            update: dict[str, float] = {SIZE_KEYS[k]: float(sizes[star, k]) for k in columns}
             return design.model_copy(update={"stars": stars.model_copy(update=update)})
         sizes[:, ~changed] = np.nan
         return with_painted_stars(design, self._layout.sheet_sites[self._is_star], sizes[self._is_star])

@@ -102,7 +102,10 @@ def _learned_law(
         try:
             before.plan.check(design)
             before.at(design.fabric.stretch_xy)
-            same, cells = before.plan, {tuple(each[name] for name in before.plan.names) for each in before.samples}
+            same, cells = (
+                before.plan,
+                {tuple(each.get(name, 0.0) for name in before.plan.names) for each in before.samples},
+            )
         except LawError:
             pass
     plan = replace(plan_for_design(design, sheet, same), held_out=0)

@@ -45,10 +45,10 @@ from asterism.fem.shell.hyperelastic import hyperelastic
 from asterism.homogenize.cell.linear_response import voigt_turn
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.motif_law import MotifLaw
-from asterism.homogenize.law.plan import rounded, source_of
 from asterism.homogenize.law.tensor_forms import TO_VOIGT, SheetTensors
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.materials import Fabric
+from asterism.pattern.design.rounding import rounded
 from asterism.pattern.design.sizing.profiles import Profile, sample
 from asterism.pattern.geometry.planar import distance_to_segment, polygon_area
 from asterism.pattern.layout.layout import Layout
@@ -222,8 +222,8 @@ class MotifSheet(PrintSheet):
             total = np.zeros(len(points))
             for line in rods.motif:
                 length = np.linalg.norm(np.diff(polyline(line, rods.curve_mm), axis=0), axis=1).sum()
-                sources = {key: source_of(rods, line, key) for key in ("thickness_mm", "width_mm")}
-                thickness, width = (rounded(rods, key, sample(of, points)) for key, of in sources.items())
+                sources = {key: rods.size_of(line, key) for key in ("thickness_mm", "width_mm")}
+                thickness, width = (rounded(rods.rounding, key, sample(of, points)) for key, of in sources.items())
                 total += thickness * width * length / area
             return total
 

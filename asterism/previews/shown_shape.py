@@ -38,6 +38,7 @@ from asterism.fem.search.mean_fields import mean_fields, side_of
 from asterism.fem.search.relax import is_collapsing
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.materials import Fabric
+from asterism.pattern.design.stars import ROD_SIZE_KEYS
 from asterism.pattern.geometry.diameter import diameter
 from asterism.pattern.geometry.planar import triangle_areas
 from asterism.pattern.layout.layout import Layout
@@ -83,20 +84,17 @@ def shown_shape(state: PreviewState) -> Shape:
 
 
 def _rod_fields(layout: Layout, mesh: Mesh) -> dict[str, np.ndarray]:
-    """Fields of the rod edges: number of the rod, its star, and thickness and width at the middle of the edge."""
+    """Fields of the rod edges: number of the rod, its star, and the sizes of its section at the middle of the edge."""
     rods = layout.graph.rods
     number, part = _parts_along([mesh.points[path] for path in mesh.rods])
     within = number[1:] == number[:-1]  # false for steps from one rod to the next
     number, middle = number[1:][within], 0.5 * (part[1:] + part[:-1])[within]
     # all rods on one line, each from its number to the next
     places, knots = number + middle, np.add(*_parts_along([rod.points for rod in rods]))
-    thickness, width = (np.concatenate([getattr(rod, name) for rod in rods]) for name in ("thickness", "width"))
-    fields = {
-        "arm": number,
-        "star": layout.star_of_rods[number],
-        "thickness_mm": np.interp(places, knots, thickness),
-        "width_mm": np.interp(places, knots, width),
-    }
+    sections = np.concatenate([rod.sections for rod in rods]).T
+    fields: dict[str, np.ndarray] = {"arm": number, "star": layout.star_of_rods[number]}
+    for key, values in zip(ROD_SIZE_KEYS, sections, strict=True):
+        fields[key] = np.interp(places, knots, values)
     return fields | ({"side": layout.rod_side[number]} if (layout.rod_side < 0).any() else {})
 
 

@@ -14,9 +14,10 @@ from scipy.spatial import cKDTree
 
 from asterism.equilibrium.arrays import Floats
 from asterism.fem.search.linear_response import stress_responses, stress_under
-from asterism.homogenize.law.axes import AXES
+from asterism.pattern.design.rounding import rounded
+from asterism.pattern.design.stars import SIZE_KEYS, SizeName
 from asterism.pattern.layout.build import layout
-from asterism.pattern.layout.painted_stars import SIZE_KEYS, SizeName, stars_apart, with_painted_stars
+from asterism.pattern.layout.painted_stars import size_rows, stars_apart, with_painted_stars
 from asterism.previews.fields.star_values import StarValues, star_values
 from asterism.previews.solve import PreviewState
 
@@ -59,14 +60,15 @@ def _changed_values(state: PreviewState, size: SizeName) -> tuple[StarValues, Fl
 
     Lengths are changed with the rounding of the design in place, thicknesses and widths from their rounded values.
     """
-    plan, design, column = state.layout, state.design, SIZE_KEYS.index(size)
-    stars, known = design.required_stars, plan.star_sizes_mm
-    sizes = np.full(known.shape, np.nan)
-    if stars.rounding is not None and column > 0:
-        known = np.column_stack([known[:, 0], stars.rounding.thickness(known[:, 1]), stars.rounding.width(known[:, 2])])
-        sizes, stars = known.copy(), stars.model_copy(update={"rounding": None})
-    steps = size_steps(state, size, known[:, column])
-    sizes[:, column] = known[:, column] + steps
+    plan, design = state.layout, state.design
+    stars, known = design.required_stars, dict(zip(SIZE_KEYS, plan.star_sizes_mm.T, strict=True))
+    kept: dict[SizeName, Floats] = {}
+    if stars.rounding is not None and stars.rounding.rounds(size):
+        kept = {key: rounded(stars.rounding, key, values) for key, values in known.items()}
+        stars = stars.model_copy(update={"rounding": None})
+    before = (kept or known)[size]
+    steps = size_steps(state, size, before)
+    sizes = size_rows({**kept, size: before + steps})
     changed = with_painted_stars(design.model_copy(update={"stars": stars}), plan.sites, sizes)
     return star_values(changed, layout(changed), state.sheet.law, state.sheet.model), steps
 
@@ -74,7 +76,7 @@ def _changed_values(state: PreviewState, size: SizeName) -> tuple[StarValues, Fl
 def size_steps(state: PreviewState, size: SizeName, sizes: Floats) -> Floats:
     """(S,) mm, changes of one size of stars (S,) mm for differences; at the upper end of the law's range downwards."""
     steps = np.full(len(sizes), 0.005) if size == "length_mm" else 5e-4 * sizes
-    top = state.sheet.law.size_ranges(state.design.fabric.stretch_xy)[AXES[SIZE_KEYS.index(size)].key][1]
+    top = state.sheet.law.size_ranges(state.design.fabric.stretch_xy)[size][1]
     return np.where(sizes + steps > top, -steps, steps)
 
 

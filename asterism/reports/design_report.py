@@ -24,6 +24,7 @@ from asterism.homogenize.law.law import Law
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.materials import ResidualCurvature
+from asterism.pattern.design.stars import ROD_SIZES
 from asterism.pattern.layout.layout import Layout
 from asterism.print.drawing import A4_MM, NEEDLES, STARS, TEXT, Circle, Drawing, DrawingLayer, Label, Polyline
 from asterism.print.formats.pdf import write_pdf
@@ -313,7 +314,7 @@ def _stars(plan: Layout, design: Design) -> list[str]:
     return [
         f"{len(plan.centres)}, {design.lattice.arms} arms, {design.lattice.spacing_mm:.4g} mm apart",
         f"length {_range(plan.arm_length)} mm",
-        f"thickness {_range(plan.arm_thickness)}, width {_range(plan.arm_width)} mm",
+        _sections(plan.arm_sections),
         *_sides(plan),
         _size(plan),
     ]
@@ -324,15 +325,19 @@ def _rods(plan: Layout) -> list[str]:
     rods = plan.drawn_rods
     if not rods:
         return []
-    thickness, widths = (np.concatenate([getattr(rod, name) for rod in rods]) for name in ("thickness", "width"))
     below = sum(rod.length for rod in rods if rod.side < 0)
     return [
         f"{len(rods)} between nodes, {sum(rod.length for rod in rods):.0f} mm in all",
         *([f"{below:.0f} mm below the fabric"] if below else []),
         f"joints: {len(plan.graph.joints)}",
-        f"thickness {_range(thickness)}, width {_range(widths)} mm",
+        _sections(np.concatenate([rod.sections for rod in rods])),
         _size(plan),
     ]
+
+
+def _sections(sections: Floats) -> str:
+    """Ranges of the sizes of sections (..., K)."""
+    return ", ".join(f"{size.name} {_range(sections[..., k])}" for k, size in enumerate(ROD_SIZES)) + " mm"
 
 
 def _size(plan: Layout) -> str:

@@ -12,6 +12,7 @@ from scipy.spatial import cKDTree
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.sizing.profiles import GradientProfile
+from asterism.pattern.design.stars import SIZE_KEYS
 from asterism.pattern.geometry.normals import vertex_normals
 from asterism.pattern.layout.free_motions import count_free_tilts
 from asterism.pattern.layout.layout import Layout
@@ -231,7 +232,7 @@ def sizing_warnings(design: Design, layout: Layout) -> Iterator[str]:
     """Yield a line for each profile whose stars all have nearly one of its two end values."""
     if len(layout.centres) < 2:
         return
-    for name in ("length_mm", "length_fraction", "thickness_mm", "width_mm"):
+    for name in ("length_fraction", *SIZE_KEYS):
         profile = getattr(design.stars, name)
         if not isinstance(profile, GradientProfile) or profile.start == profile.end:
             continue

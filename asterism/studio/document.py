@@ -9,13 +9,12 @@ from typing import Any
 
 import numpy as np
 
-from asterism.homogenize.law.plan import RodSizeKey
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.entries import with_entries
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.files import read_table, table_text
 from asterism.pattern.design.section import Point
-from asterism.pattern.design.stars import Site
+from asterism.pattern.design.stars import RodSizeKey, Site
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
 from asterism.results.files import write_file

@@ -11,9 +11,8 @@ from typing import Any
 import numpy as np
 
 from asterism.equilibrium.arrays import Array
+from asterism.pattern.design.stars import SIZE_KEYS, STAR_SIZES
 from asterism.pattern.layout.layout import Layout
-
-STAR_SIZES = {"length_mm": "Star length", "thickness_mm": "Star thickness", "width_mm": "Star width"}
 
 
 @dataclass(frozen=True)
@@ -153,7 +152,7 @@ def step_words(before: Mapping[str, Any], after: Mapping[str, Any], plans: tuple
     for path, (old, new) in sorted(_differences(before, after).items()):
         if path[0] == "pins" or path[:2] == ("stars", "override"):
             continue
-        if not (has_sizes and path[0] == "stars" and path[-1] in STAR_SIZES):
+        if not (has_sizes and path[0] == "stars" and path[-1] in SIZE_KEYS):
             said.append(_value_words(path, old, new))
     said = list(dict.fromkeys(said))
     return "; ".join(said[:3]) + (f" and {len(said) - 3} more" if len(said) > 3 else "")
@@ -168,11 +167,11 @@ def _star_words(before: Mapping[str, Any], after: Mapping[str, Any]) -> Iterator
     for which, what in ((was & ~stays, "removed"), (~was & stays, "restored")):
         if count := int(which.sum()):
             yield f"{_plural(count, 'star')} {what}"
-    for column, name in enumerate(STAR_SIZES.values()):
+    for column, size in enumerate(STAR_SIZES):
         is_other = was & stays & (old[:, column] != new[:, column])
         if count := int(is_other.sum()):
             ranges = " → ".join(_range(sizes[is_other, column]) for sizes in (old, new))
-            yield f"{name} {ranges} mm, {_plural(count, 'star')}"
+            yield f"Star {size.name} {ranges} mm, {_plural(count, 'star')}"
 
 
 def _needles(table: Mapping[str, Any]) -> dict[tuple[float, ...], tuple[float, ...]]:

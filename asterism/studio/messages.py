@@ -24,7 +24,7 @@ class Edit:
     ----------
     seq : increases; every answer carries the number that it belongs to.
     design : the table of the design file, without what follows.
-    sites, sizes_mm : (n, 2) and (n, 3), all stars with sizes of their own; nan keeps the size of the design's profile.
+    sites, sizes_mm : (n, 2) and (n, L), all stars with sizes of their own; nan keeps the size of the design's profile.
     removed : (m, 2), all removed stars.
     is_dragging : the pointer is down: coarse mesh, linear response first, no summary.
     is_opened : the design does not follow from the shown one by an edit: its form does not depend on that.
@@ -35,7 +35,7 @@ class Edit:
     seq: int
     design: dict[str, Any]
     sites: Array = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
-    sizes_mm: Array = field(default_factory=lambda: np.empty((0, 3)))
+    sizes_mm: Array = field(default_factory=lambda: np.empty((0, 0)))
     removed: Array = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
     is_dragging: bool = False
     is_opened: bool = False

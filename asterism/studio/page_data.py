@@ -14,7 +14,7 @@ from asterism.equilibrium.errors import Error
 from asterism.pattern.design.design import WEIGHT_RANGE
 from asterism.pattern.design.errors import BlankSheetError, DesignError
 from asterism.pattern.design.material_files import with_material_file
-from asterism.pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM, Site
+from asterism.pattern.design.stars import MIN_ARM_MM, ROD_SIZE_KEYS, STAR_SIZES, Site
 from asterism.pattern.layout.layout import Layout
 from asterism.print.bed_placement import room_mm
 from asterism.print.printer import load_plastic, load_printer, readable_profiles
@@ -62,9 +62,7 @@ def document_data(document: Document, printer: str, limits: Limits | None) -> di
         # ranges of sizes (mm): those that can be printed, and those that the law covers (null until it is loaded)
         "limits": {
             "design": {
-                "length_mm": [MIN_ARM_MM, layout.spacing_mm],
-                "thickness_mm": list(THICKNESS_RANGE_MM),
-                "width_mm": list(WIDTH_RANGE_MM),
+                **{size.key: list(size.limits_at(layout.spacing_mm)) for size in STAR_SIZES},
                 "weight": list(WEIGHT_RANGE),
             },
             "law": None if limits is None else {key: list(ends) for key, ends in limits.law.items()},
@@ -211,8 +209,7 @@ def plan_data(layout: Layout, painted_sites: set[Site], weights: Mapping[Site, f
             {
                 "name": rod.name,
                 "points_mm": rounded(rod.points),
-                "thickness_mm": rounded(rod.thickness),
-                "width_mm": rounded(rod.width),
+                **{key: rounded(values) for key, values in zip(ROD_SIZE_KEYS, rod.sections.T, strict=True)},
             }
             for rod in layout.drawn_rods
         ],

@@ -9,7 +9,7 @@ from typing import Annotated, Any, Literal, Self, Union
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError, model_validator
 
 from asterism.equilibrium.errors import Error
-from asterism.homogenize.law.plan import RodSizeKey
+from asterism.pattern.design.stars import STAR_SIZES, RodSizeKey
 from asterism.process.settings import ExportSettings
 from asterism.studio.painted_field import Brush
 
@@ -60,16 +60,17 @@ class TakeBack(GestureRequest):
 
 
 class Paint(GestureRequest):
+    """Sizes of stars by their names, such as `length` and `thickness`."""
+
+    model_config = ConfigDict(extra="allow")
+    __pydantic_extra__: dict[str, SizesOfSites | None]
     type: Literal["sizes"]
     sites: Sites
-    length: SizesOfSites | None = None
-    thickness: SizesOfSites | None = None
-    width: SizesOfSites | None = None
 
     @property
     def sizes(self) -> dict[str, list[float | None]]:
         """The sizes that are given, by the keys of the design file."""
-        given = {"length_mm": self.length, "thickness_mm": self.thickness, "width_mm": self.width}
+        given = {size.key: self.__pydantic_extra__.get(size.name) for size in STAR_SIZES}
         for key, values in given.items():
             if values is not None and len(values) != len(self.sites):
                 raise RequestError(f"sizes: {key} must have one value for each of the {len(self.sites)} sites")

@@ -8,9 +8,8 @@ from typing import Any, Literal
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats, Ints
-from asterism.pattern.design.stars import Site
+from asterism.pattern.design.stars import SIZE_KEYS, Site
 from asterism.pattern.layout.layout import Layout
-from asterism.pattern.layout.painted_stars import SIZE_KEYS
 
 PLAIN_WEIGHT = 1.0  # of a place that nobody has painted
 
@@ -80,7 +79,7 @@ def split(table: Mapping[str, Any]) -> tuple[dict[str, Any], Ints, Floats, Ints]
     Returns
     -------
     The table without weights of a fit, with those entries only that are given by star or place, or set a branch or a
-    side; sites (n, 2) and their sizes (n, 3) mm, nan where the profile's size holds; sites (m, 2) of removed stars.
+    side; sites (n, 2) and their sizes (n, L), nan where the profile's size holds; sites (m, 2) of removed stars.
     """
     base, sites, sizes, gone = [], [], [], []
     for entry in table.get("stars", {}).get("override", ()):
@@ -98,7 +97,7 @@ def split(table: Mapping[str, Any]) -> tuple[dict[str, Any], Ints, Floats, Ints]
     return (
         rest,
         np.asarray(sites, dtype=np.int64).reshape(-1, 2),
-        np.asarray(sizes, dtype=float).reshape(-1, 3),
+        np.asarray(sizes, dtype=float).reshape(-1, len(SIZE_KEYS)),
         np.asarray(gone, dtype=np.int64).reshape(-1, 2),
     )
 

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Literal, cast
+from typing import cast
 
 import numpy as np
 from scipy.spatial import cKDTree
 
-from asterism.discrete.energies.bending.fabric_bending import FABRIC_BENDING, BendingMesh
+from asterism.discrete.energies.bending.fabric_bending import BendingMesh, bending_of
 from asterism.discrete.energies.elements import Elements
 from asterism.discrete.energies.membrane import Membrane, SideMembrane, flat_share
 from asterism.discrete.energies.rods.joint import RodJoint
@@ -33,6 +33,7 @@ from asterism.discrete.model.system import System
 from asterism.equilibrium.arrays import Array
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.materials import Fabric, residual_curvature, rest_curvature, rest_twist
+from asterism.pattern.design.stars import ROD_SIZES
 from asterism.pattern.geometry.normals import vertex_normals
 from asterism.pattern.geometry.planar import triangle_areas
 from asterism.pattern.layout.layout import Layout
@@ -103,10 +104,11 @@ class DiscreteModel(System):
 
     def __init__(self, design: Design, layout: Layout, mesh: Mesh, bending_mesh: BendingMesh | None = None) -> None:
         self.design, self.layout, self.mesh = design, layout, mesh
-        self.bending = FABRIC_BENDING[design.fabric.bending]
+        self.bending = bending_of(design.fabric)
         self.network, self.joints = _networks(layout.graph, mesh)
-        self.edge_thickness = _at_midpoints(self.network, layout.graph, "thickness")
-        self.edge_width = _at_midpoints(self.network, layout.graph, "width")
+        # (R, K) `pattern.design.stars.ROD_SIZES` at the midpoint of every rod edge
+        self.edge_sections = _sections_at_midpoints(self.network, layout.graph)
+        self.edge_thickness, self.edge_width = self.edge_sections[:, 0], self.edge_sections[:, 1]
         self.edge_side = layout.rod_side[self.network.rod]
         self._own_residual_curvature = self._residual_curvature_over_the_plastics()
         self.constraints = pin_constraints(layout, mesh)
@@ -260,7 +262,7 @@ def fabric_energies(fabric: Fabric, mesh: BendingMesh) -> dict[str, Elements]:
 
     With the paper's hinges the membrane is that of the paper, constant strain triangles.
     """
-    bending, share = FABRIC_BENDING[fabric.bending], None
+    bending, share = bending_of(fabric), None
     sides: dict[str, Elements] = {}
     if bending.needs_neighbours:
         share = flat_share(mesh.triangles, mesh.closed_hinges is not None)
@@ -285,14 +287,14 @@ def _networks(graph: RodGraph, mesh: Mesh) -> tuple[RodNetwork, JointNetwork]:
     return network, joint_network(mesh.rods, [graph.ends_at[node] for node in graph.joints])
 
 
-def _at_midpoints(network: RodNetwork, graph: RodGraph, name: Literal["thickness", "width"]) -> Array:
-    """(R,) mm, thickness or width at the midpoint of every rod edge."""
+def _sections_at_midpoints(network: RodNetwork, graph: RodGraph) -> Array:
+    """(R, K) sections at the midpoint of every rod edge."""
     first = np.searchsorted(network.rod, np.arange(len(graph.rods) + 1))  # edges are stored rod by rod
     pieces = [
-        rod.at(getattr(rod, name), network.midpoint[begin:end])
+        rod.at(rod.sections, network.midpoint[begin:end])
         for rod, begin, end in zip(graph.rods, first, first[1:], strict=False)
     ]
-    return np.concatenate([np.empty(0), *pieces])
+    return np.concatenate([np.empty((0, len(ROD_SIZES))), *pieces])
 
 
 def bump_heights(model: DiscreteModel, state: State) -> Array:

@@ -11,22 +11,20 @@ import numpy as np
 
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.cell.point_group import aligned_lines
-from asterism.homogenize.law.axes import AXES, LENGTH, Axis
 from asterism.homogenize.law.material import MIN_CELL_EDGE_MM
 from asterism.homogenize.law.plan import (
-    ROD_SIZE_KEYS,
     SAME_SIZE_MM,
     LawPlan,
     Size,
     Sizes,
-    rounded,
-    source_of,
     without_law,
 )
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.rods import Rods
+from asterism.pattern.design.rounding import rounded
 from asterism.pattern.design.sizing.profiles import Profile
+from asterism.pattern.design.stars import ROD_SIZE_KEYS, STAR_SIZES, StarSize
 from asterism.pattern.layout.build import layout as layout_of
 from asterism.pattern.layout.layout import Layout
 
@@ -116,10 +114,10 @@ def _groups(design: Design) -> tuple[Size, ...]:
     """The sizes of the law, without nodes: of stars, or those that all lines share, and profiles of single lines."""
     rods = design.rods
     if rods is None:
-        return tuple(Size(axis.key, ()) for axis in AXES)
+        return tuple(Size(size.key, ()) for size in STAR_SIZES)
     groups: list[Size] = []
     for key in ROD_SIZE_KEYS:
-        sources = [source_of(rods, line, key) for line in rods.motif]
+        sources = [rods.size_of(line, key) for line in rods.motif]
         left = [n for n, line in enumerate(rods.motif) if isinstance(sources[n], Profile) or getattr(line, key) is None]
         while left:
             alike = tuple(n for n in left if sources[n] == sources[left[0]])
@@ -155,22 +153,22 @@ def _lines(rods: Rods, lines: list[dict[str, Any]], sizes: tuple[Size, ...]) -> 
     for line, drawn in zip(lines, rods.motif, strict=True):
         line["side"] = None if rods.face(drawn) == rods.face(rods.motif[0]) else "below"
         for key in ROD_SIZE_KEYS:
-            field = source_of(rods, drawn, key)
+            field = rods.size_of(drawn, key)
             if not isinstance(field, Profile):
-                line[key] = float(rounded(rods, key, np.array([field]))[0])
+                line[key] = float(rounded(rods.rounding, key, np.array([field]))[0])
     for size in sizes:
         for number in size.lines or ():
             lines[number][size.key] = size.nodes[0]
     return lines
 
 
-def _nodes(axis: Axis, sizes: Floats, spacing: float, known: Sizes, of_rods: bool) -> Sizes:
+def _nodes(axis: StarSize, sizes: Floats, spacing: float, known: Sizes, of_rods: bool) -> Sizes:
     """Increasing nodes of an axis that enclose sizes (S,), and those of the law before an edit.
 
     A law before an edit goes on in whole steps, so that a slider meets new cells rarely.
     """
     ratio = axis.rod_ratio if of_rods else axis.node_ratio
-    least, most = axis.limits[0], min(axis.limits[1], spacing) if axis is LENGTH else axis.limits[1]
+    least, most = axis.limits_at(spacing)
     low, high = _ends(np.clip(sizes, least, most))
     nodes = sorted(known) or [low, high]
     while nodes[-1] < high - SAME_SIZE_MM:

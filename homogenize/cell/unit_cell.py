@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from asterism.discrete.energies.bending.fabric_bending import FABRIC_BENDING, BendingMesh
+from asterism.discrete.energies.bending.fabric_bending import BendingMesh, bending_of
 from asterism.discrete.energies.bending.plate import patches
 from asterism.discrete.energies.elements import Elements
 from asterism.discrete.model.discrete_model import DiscreteModel
@@ -30,6 +30,8 @@ from asterism.homogenize.cell.point_group import (
 )
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError, MeshError
+from asterism.pattern.design.rounding import rounded
+from asterism.pattern.design.stars import ROD_SIZES
 from asterism.pattern.geometry.planar import triangle_areas
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.mesh import Mesh
@@ -51,7 +53,7 @@ def cell_mesh(design: Design, edge_mm: float, repeat: tuple[int, int] = (1, 1)) 
     no mesh follows the arms, or the design asks for a graded mesh and arms do not lie on lattice lines.
     """
     lattice, vectors = design.lattice, np.asarray(design.lattice.vectors)
-    length, surrounded = star_size(design, "length_mm"), FABRIC_BENDING[design.fabric.bending].needs_neighbours
+    length, surrounded = star_size(design, "length_mm"), bending_of(design.fabric).needs_neighbours
     on_lines = aligned_lines(lattice)
     if on_lines is not None:
         directions = on_lines if length else on_lines[:0]
@@ -77,10 +79,7 @@ def star_size(design: Design, name: str) -> float:
     for number, change in enumerate(stars.override):
         if change.remove or getattr(change, name) is not None:
             raise ValueError(f"stars.override[{number}] must not change a star: all stars of a unit cell are equal")
-    if stars.rounding is not None and name != "length_mm":
-        rounded = stars.rounding.thickness if name == "thickness_mm" else stars.rounding.width
-        value = rounded(np.asarray(value))
-    return float(value)
+    return float(rounded(stars.rounding, name, np.asarray(value)))
 
 
 def _check_clear(vectors: Floats, directions: Floats, length: float, width: float) -> None:
@@ -317,7 +316,7 @@ def _motif_and_mesh(design: Design, edge_mm: float, repeat: tuple[int, int]) -> 
     if design.stars is not None:
         raise DesignError("rods", "must stand alone in a unit cell, without [stars]")
     motif = motif_graph(design.rods, design.lattice)
-    return motif, motif_cell_mesh(motif, edge_mm, repeat, FABRIC_BENDING[design.fabric.bending].needs_neighbours)
+    return motif, motif_cell_mesh(motif, edge_mm, repeat, bending_of(design.fabric).needs_neighbours)
 
 
 def _rows(part: Elements, rows: slice) -> Elements:
@@ -351,14 +350,13 @@ def _unfolded_model(design: Design, torus: PeriodicMesh, motif: MotifGraph | Non
 
 def _stars(design: Design, torus: PeriodicMesh) -> Layout:
     tips = torus.points[[rod[-1] for rod in torus.rods]]
-    ends = np.ones((len(tips), 2))
+    section = [star_size(design, size.key) for size in ROD_SIZES]
     return _layout(
         design,
         centres=torus.points[torus.star_vertices],
         arm_star=torus.arm_star,
         arm_tip=tips,
-        arm_thickness=star_size(design, "thickness_mm") * ends,
-        arm_width=star_size(design, "width_mm") * ends,
+        arm_sections=np.tile(section, (len(tips), 2, 1)),
     )
 
 

@@ -66,7 +66,7 @@ class LawTable(ABC):
     def size_ranges(self) -> dict[str, tuple[float, float]]:
         """Smallest and largest size in mm that the table covers, by the names of its sizes.
 
-        Shorter arms than the shortest are covered too if the bare fabric is near, see `homogenize.law.axes`.
+        Shorter arms than the shortest are covered too if the bare fabric is near, see `homogenize.law.plan.min_length`.
         """
         return {name: (float(a), float(b)) for name, (a, b) in zip(self.plan.names, self.plan.limits.T, strict=True)}
 

@@ -173,8 +173,10 @@ def _table(plan: LawPlan, archive: Mapping[str, Any], number: int) -> tuple[Floa
     stored, solved = (archive[f"{number}/{name}"] for name in ("stored", "solved"))
     shape = tuple(len(nodes) for nodes in plan.axis_nodes)
     columns = (MotifTable if plan.is_motif else StarTable).columns(plan)
-    if stored.shape != (*shape, columns) or solved.shape != shape or solved.dtype != bool:
+    # axes of one node do not count: a law that was made before a size was known has none for it
+    given, wanted = ([n for n in each if n > 1] for each in (stored.shape, (*shape, columns)))
+    if given != wanted or solved.shape != stored.shape[:-1] or solved.dtype != bool:
         raise ValueError("arrays do not fit together")
     if not np.isfinite(stored).all():
         raise ValueError("quantities must be finite")
-    return stored, solved
+    return stored.reshape(*shape, columns), solved.reshape(shape)

@@ -12,7 +12,6 @@ import numpy as np
 from pydantic import Field, ValidationError, ValidationInfo, field_validator, model_validator
 
 from asterism.homogenize.cell.point_group import GRADED_OFF_LINES, aligned_lines
-from asterism.homogenize.law.axes import AXES, LENGTH, Axis
 from asterism.homogenize.law.plan import LawPlan, Size
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError, from_validation
@@ -22,7 +21,7 @@ from asterism.pattern.design.material_files import MeasurementNote
 from asterism.pattern.design.materials import Fabric, Plastic
 from asterism.pattern.design.section import Line, Number, Section, Whole
 from asterism.pattern.design.spread import Spread
-from asterism.pattern.design.stars import MIN_ARM_MM
+from asterism.pattern.design.stars import LENGTH, MIN_ARM_MM, STAR_SIZES, StarSize
 
 # cells of one grid
 MAX_SAMPLES = 100_000
@@ -31,7 +30,7 @@ MIN_CELL_EDGE_MM = 0.2
 # between two stretches: designs with rounded numbers must find the stretch of their table
 MIN_STRETCH_STEP = 1e-4
 AxisNodes = tuple[Number, ...]
-_BY_NODES = {axis.nodes_key: axis for axis in AXES}
+_BY_NODES = {size.nodes_key: size for size in STAR_SIZES}
 PAPER_MATERIAL = Path(__file__).parents[1] / "data" / "paper.toml"
 
 
@@ -74,13 +73,13 @@ class CampaignPlan(Section):
 
     @model_validator(mode="after")
     def _few_cells(self) -> Self:
-        if math.prod(len(self.nodes(axis)) for axis in AXES) > MAX_SAMPLES:
+        if math.prod(len(self.nodes(size)) for size in STAR_SIZES) > MAX_SAMPLES:
             raise DesignError("", f"must have at most {MAX_SAMPLES} cells in its grid")
         return self
 
-    def nodes(self, axis: Axis) -> AxisNodes:
-        """Nodes of an axis."""
-        nodes: AxisNodes = getattr(self, axis.nodes_key)
+    def nodes(self, size: StarSize) -> AxisNodes:
+        """Nodes of a size."""
+        nodes: AxisNodes = getattr(self, size.nodes_key)
         return nodes
 
 
@@ -125,7 +124,7 @@ class Material(Section):
 
     def law_plan(self) -> LawPlan:
         """The cells of the law. The outline of their design has no effect."""
-        sizes = tuple(Size(axis.key, tuple(v for v in self.plan.nodes(axis) if v > 0)) for axis in AXES)
+        sizes = tuple(Size(size.key, tuple(v for v in self.plan.nodes(size) if v > 0)) for size in STAR_SIZES)
         stretches = self.plan.stretches or (float(np.max(self.fabric.stretch)),)
         side = 3 * self.lattice.spacing_mm
         design = Design.from_dict(

@@ -1,27 +1,30 @@
 """The plan of a law: what it is for, and the stretches and sizes at which its unit cells are solved.
 
-Stars and motifs of drawn rods differ in what carries the sizes: the arms of the star, or some lines of the motif.
+Stars and motifs of drawn rods differ in what carries the sizes: the arms of the star, or some lines of the motif. The
+sizes of a star are `pattern.design.stars.STAR_SIZES`, lengths first. A star of length 0 has no arms: its cell is the
+bare fabric, whatever its other sizes are.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
-from typing import Any, Literal, NamedTuple, TypeAlias
+from typing import Any, NamedTuple, TypeAlias
 
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.errors import ForeignLaw, LawError
-from asterism.homogenize.law.axes import AXIS_OF, LENGTH, Axis, law_coordinates, min_length
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.design.rods import DrawnLine, Rods
+from asterism.pattern.design.rounding import rounded
 from asterism.pattern.design.sizing.profiles import Profile, SizingField, sample
+from asterism.pattern.design.stars import LENGTH, ROD_SIZE_KEYS, SIZE_KEYS, STAR_SIZES, SizeName, StarSize
 from asterism.pattern.layout.layout import Layout
 
 # relative difference between numbers of a design and of the law: rounding of the machine
@@ -62,8 +65,6 @@ def same_values(a: Any, b: Any, part: float = LATTICE_TOLERANCE) -> bool:
     return bool(a == b)
 
 
-RodSizeKey = Literal["thickness_mm", "width_mm"]
-ROD_SIZE_KEYS: tuple[RodSizeKey, ...] = ("thickness_mm", "width_mm")
 Sizes: TypeAlias = tuple[float, ...]
 # of the fabric, the same in x and y or one for each
 Stretch: TypeAlias = float | tuple[float, float]
@@ -79,14 +80,14 @@ WITHOUT_BENDING = f"has no law: bare fabric without bending stiffness makes unit
 class Size:
     """A size that a law is a function of."""
 
-    key: str  # of design files
+    key: SizeName  # of design files
     nodes: Sizes  # mm, increasing
     lines: tuple[int, ...] | None = None  # numbers of the lines of a motif that have it; None for the arms of stars
 
     @property
-    def axis(self) -> Axis:
+    def axis(self) -> StarSize:
         """What a size of this key is like."""
-        return AXIS_OF[self.key]
+        return STAR_SIZES[SIZE_KEYS.index(self.key)]
 
     @property
     def varies(self) -> bool:
@@ -134,7 +135,7 @@ class LawPlan:
 
     # of one cell. The stretch of its fabric and its `sizes` are replaced; other sizes of lines are numbers.
     design: Design
-    sizes: tuple[Size, ...]  # what the law is a function of. Those of stars are `homogenize.law.axes.AXES`.
+    sizes: tuple[Size, ...]  # what the law is a function of. Those of stars are `STAR_SIZES`.
     stretches: tuple[Stretch, ...]  # the law has one table for each
     edge_mm: float  # of the cells' mesh
     held_out: int = 0  # number of random cells per stretch that test the law
@@ -308,7 +309,7 @@ class LawPlan:
         rods, fields = design.required_rods, []
         for size in self.sizes:
             lines = size.lines or ()
-            own = [source_of(rods, rods.motif[line], size.key) for line in lines]
+            own = [rods.size_of(rods.motif[line], size.key) for line in lines]
             if any(each != own[0] for each in own):
                 field = f"rods.motif[{lines[0]}].{size.key}"
                 raise ForeignLaw(f"{field}: the law is for lines with the same {size.key}", field=field)
@@ -321,7 +322,7 @@ class LawPlan:
         Raises `ForeignLaw` as `sources` does.
         """
         columns = [
-            rounded(design.required_rods, size.key, sample(field, points))
+            rounded(design.required_rods.rounding, size.key, sample(field, points))
             for size, field in zip(self.sizes, self.sources(design), strict=True)
         ]
         return np.stack(columns, axis=-1) if columns else np.empty((len(points), 0))
@@ -360,12 +361,15 @@ class LawPlan:
         design = Design.from_dict(data["design"])
         sizes = tuple(
             Size(
-                AXIS_OF[each["key"]].key,
+                each["key"],
                 tuple(map(float, each["nodes"])),
                 tuple(map(int, each["lines"])) if "lines" in each else None,
             )
             for each in data["sizes"]
         )
+        if design.rods is None:  # a law that was made before a size was known is for its usual value
+            known = {size.key: size for size in sizes}
+            sizes = tuple(known.get(size.key) or Size(size.key, (size.usual,)) for size in STAR_SIZES)
         if any((size.lines is None) != (design.rods is None) for size in sizes):
             raise ValueError("sizes and design do not belong together")
         if not all((np.diff([0.0, *size.nodes]) > 0).all() for size in sizes):
@@ -388,24 +392,10 @@ def without_law(design: Design) -> DesignError | None:
     return None
 
 
-def source_of(rods: Rods, line: DrawnLine, key: str) -> SizingField:
-    """The thickness or width of a line: its own, or else that of all lines."""
-    own: SizingField | None = getattr(line, key)
-    shared: SizingField = getattr(rods, key)
-    return shared if own is None else own
-
-
-def rounded(rods: Rods, key: str, values: Floats) -> Floats:
-    """Sizes (...) as they are printed."""
-    if rods.rounding is None:
-        return values
-    return rods.rounding.thickness(values) if key == "thickness_mm" else rods.rounding.width(values)
-
-
 def _number(rods: Rods, line: DrawnLine, key: str) -> float | str:
     """A size of a line as it is printed."""
-    source = source_of(rods, line, key)
-    return "a profile" if isinstance(source, Profile) else float(rounded(rods, key, np.array([source]))[0])
+    source = rods.size_of(line, key)
+    return "a profile" if isinstance(source, Profile) else float(rounded(rods.rounding, key, np.array([source]))[0])
 
 
 def stretch_text(stretch: Stretch) -> str:
@@ -433,3 +423,31 @@ def _star_lattice(lattice: Lattice, like: Lattice) -> dict[str, Any]:
         "vectors_mm": sites["vectors_mm"],
         "orientation_deg": round(turn, 6),
     }
+
+
+def law_coordinates(layout: Layout, arms: int) -> Floats:
+    """(S, L) sizes of the stars of a layout, one column for each of `STAR_SIZES`; whole stars have so many arms.
+
+    Lengths are means over the arms, and arms that the outline cuts away count as length 0. The other sizes are means
+    along the arms.
+    """
+
+    def sums(of_arms: Floats) -> Floats:
+        return np.asarray(np.bincount(layout.arm_star, of_arms, len(layout.centres)))
+
+    length = sums(layout.arm_length) / arms
+    share = layout.arm_length / (arms * length[layout.arm_star])
+    return np.column_stack([length, *map(sums, (share[:, None] * layout.arm_sections.mean(axis=1)).T)])
+
+
+def min_length(lengths_mm: Iterable[float], spacing_mm: float) -> float:
+    """mm, the shortest arms that a law from cells of these lengths covers; 0 if it covers all.
+
+    >>> min_length([0.0, 3.4, 6.0], 17.3), min_length([0.0, 3.6, 6.0], 17.3)
+    (0.0, 3.6)
+    """
+    first = min((float(length) for length in lengths_mm if length > 0), default=0.0)
+    # Up to arms of this length a sheet departs so smoothly from bare fabric that a curve from there to the first cell
+    # gives all lengths between: the paper's law without its shorter cells keeps contractions within 0.5 % there for
+    # thicknesses from 0.3 mm. Longer arms begin to curl their sheet.
+    return first if first > 0.2 * spacing_mm else 0.0

@@ -109,7 +109,7 @@ class StarTable(LawTable):
     def __call__(self, *sizes: ArrayLike) -> LawValues:
         """The law at stars of these sizes.
 
-        `sizes`: length, thickness and width in mm (the order of `axes.AXES`), each (N,) or a number.
+        `sizes`: `STAR_SIZES` in their order (length, thickness and width in mm), each (N,) or a number.
         """
         asked = self.rows(sizes)
         value = from_stored(self.interpolated(asked, _QUANTITIES, _RULES), self.spacing_mm)

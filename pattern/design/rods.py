@@ -146,6 +146,12 @@ class Rods(Section):
         """The lines on the sheet, drawn here and imported."""
         return (*self.draw, *(line for drawing in self.imported for line in drawing.drawn()))
 
+    def size_of(self, line: DrawnLine, key: str) -> SizingField:
+        """A size of a line: its own, or else that of all lines."""
+        own: SizingField | None = getattr(line, key)
+        shared: SizingField = getattr(self, key)
+        return shared if own is None else own
+
     def face(self, line: DrawnLine) -> int:
         """1 for a line above the fabric, -1 for one below."""
         return FACES[line.side or self.side]

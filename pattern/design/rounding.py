@@ -17,6 +17,10 @@ class Rounding(Section):
     layer_mm: Number = Field(ge=0.01, le=2)
     line_mm: Number = Field(ge=0.05, le=5)  # width of a line, the nozzle's
 
+    def rounds(self, key: str) -> bool:
+        """Whether layers or lines limit a size of arms or rods of this key."""
+        return key in ("thickness_mm", "width_mm")
+
     def thickness(self, exact_mm: Floats) -> Floats:
         """The nearest thickness that can be printed; halfway goes up."""
         return np.round(self.height(np.maximum(_nearest(self.layers(exact_mm)), 0.0)), 9)
@@ -32,6 +36,13 @@ class Rounding(Section):
     def width(self, exact_mm: Floats) -> Floats:
         """The nearest width that can be printed; halfway goes up."""
         return np.round(self.line_mm * np.maximum(_nearest(exact_mm / self.line_mm), 1.0), 9)
+
+
+def rounded(rounding: Rounding | None, key: str, exact: Floats) -> Floats:
+    """A size of arms or rods by its key, as it is printed."""
+    if rounding is None or not rounding.rounds(key):
+        return exact
+    return rounding.thickness(exact) if key == "thickness_mm" else rounding.width(exact)
 
 
 def _nearest(number: Floats) -> Floats:

@@ -17,7 +17,7 @@ from asterism.pattern.design.errors import BlankSheetError, DesignError, check_t
 from asterism.pattern.design.files import read_table
 from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.design.pins import Pins
-from asterism.pattern.design.stars import MIN_ARM_MM
+from asterism.pattern.design.stars import MIN_ARM_MM, rounded_sections
 from asterism.pattern.geometry.planar import distance_to_outline, polygon_area, shown_place
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.pin_placement import check_pins, pin_set, snapped_to_lines
@@ -115,7 +115,7 @@ def _of_stars(design: Design) -> Layout:
     tips = centres[star] + sizes.length[star, None] * directions[arm]
     printed = sizes.length[star] >= MIN_ARM_MM
     star, arm, tips = star[printed], arm[printed], tips[printed]
-    thickness, width = sizes.thickness[star, arm], sizes.width[star, arm]
+    sections = sizes.sections[star, arm]
 
     full, (tips, too_long) = tips, cut(centres[star], tips, corners, design.border.tip_margin_mm, holes)
     if len(too_long) and design.border.overhang == "refuse":
@@ -124,20 +124,17 @@ def _of_stars(design: Design) -> Layout:
         problem = f"lets no arm leave the sheet {margin}, but one of star {first} at {shown_place(at)} does"
         raise DesignError("border.overhang", problem, design.border.overhang, stars=[first], place_mm=at)
     part = np.linalg.norm(tips - centres[star], axis=1) / np.linalg.norm(full - centres[star], axis=1)
-    thickness, width = (
-        np.column_stack([a, a + part * (b - a)]) for a, b in (sizes_at_ends.T for sizes_at_ends in (thickness, width))
-    )
+    sections[:, 1] = sections[:, 0] + part[:, None] * (sections[:, 1] - sections[:, 0])
     long_enough = part * sizes.length[star] >= MIN_ARM_MM
-    star, tips, thickness, width = (values[long_enough] for values in (star, tips, thickness, width))
-    if (rounding := stars.rounding) is not None:
-        thickness, width = rounding.thickness(thickness), rounding.width(width)
+    star, tips, sections = (values[long_enough] for values in (star, tips, sections))
+    sections = rounded_sections(stars.rounding, sections)
     if len(star) == 0:
         longest = float(sizes.length.max(initial=0.0))
         problem = f"must have at least one arm of {MIN_ARM_MM:g} mm on the sheet"
         raise BlankSheetError("stars", f"{problem}; the longest of the design is {longest:.3g} mm")
     # closer ends of arms are one point, but for rounding
     meeting = 1e-6 * lattice.spacing_mm
-    check_clear(centres[star], tips, star, width, meeting)
+    check_clear(centres[star], tips, star, sections[..., 1], meeting)
 
     lines, ends = shapely.linestrings(np.stack([centres[star], tips], axis=1)), np.concatenate([centres[star], tips])
     kept_pins = _kept_pins(design.pins, design.border, lattice)
@@ -150,8 +147,7 @@ def _of_stars(design: Design) -> Layout:
         centres=centres[kept],
         arm_star=star,
         arm_tip=tips,
-        arm_thickness=thickness,
-        arm_width=width,
+        arm_sections=sections,
         pins=tuple(replace(pin, points=pin.points.copy()) for pin in pins),
         lattice_vectors=lattice.vectors,
         lattice_origin=np.asarray(lattice.origin_mm),

@@ -10,6 +10,7 @@ import shapely
 from jaxtyping import Float, Int
 
 from asterism.equilibrium.arrays import Floats, Ints
+from asterism.pattern.design.stars import ROD_SIZES, STAR_SIZES
 from asterism.pattern.geometry.planar import clusters, inside
 from asterism.pattern.geometry.plane_lattice import PlaneLattice
 from asterism.pattern.geometry.point_location import off_sheet_mm
@@ -34,9 +35,8 @@ class Layout:
     arm_star: Int[np.ndarray, " A"] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     # (A, 2) mm, tip of each arm, after cutting at the outline.
     arm_tip: Float[np.ndarray, "A 2"] = field(default_factory=lambda: np.empty((0, 2)))
-    # arm_thickness, arm_width: (A, 2) mm, at the star's centre and at the tip, linear between.
-    arm_thickness: Float[np.ndarray, "A 2"] = field(default_factory=lambda: np.empty((0, 2)))
-    arm_width: Float[np.ndarray, "A 2"] = field(default_factory=lambda: np.empty((0, 2)))
+    # (A, 2, K) sections, in the order of `ROD_SIZES`, at the star's centre and at the tip, linear between.
+    arm_sections: Float[np.ndarray, "A 2 K"] = field(default_factory=lambda: np.empty((0, 2, len(ROD_SIZES))))
     # (S,) side to which each star starts: 1 up, to the plastic's side (the default), -1 down, 0 flat.
     star_branch: Int[np.ndarray, " S"] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     # (S,) face of the fabric that carries each star: 1 above (the default), -1 below.
@@ -45,9 +45,9 @@ class Layout:
     star_number: Int[np.ndarray, " S"] = field(default_factory=lambda: np.empty(0, dtype=np.int64))
     # (P, 2) all lattice sites of the sheet in the order of the stars' numbers, those of removed stars too.
     sheet_sites: Int[np.ndarray, "P 2"] = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
-    # (P, 3) length, thickness and width of the stars there, before the outline cuts arms and before rounding; length 0
-    # where a star is removed.
-    site_sizes_mm: Float[np.ndarray, "P 3"] = field(default_factory=lambda: np.empty((0, 3)))
+    # (P, K + 1) `STAR_SIZES` of the stars there, before the outline cuts arms and before rounding; length 0 where a
+    # star is removed.
+    site_sizes_mm: Float[np.ndarray, "P L"] = field(default_factory=lambda: np.empty((0, len(STAR_SIZES))))
     # (k, 2) lattice sites off the sheet that `stars.override` names.
     ignored_sites: Int[np.ndarray, "k 2"] = field(default_factory=lambda: np.empty((0, 2), dtype=np.int64))
     # ends of arms closer than this are one point, at which the arms are bonded; 0 bonds no arms of different stars.
@@ -85,7 +85,7 @@ class Layout:
             nodes = nodes[:, :2]
         points = np.stack([self.centres[self.arm_star], self.arm_tip], axis=1)
         start, end = node[self.arm_star], node[count:]
-        arms = zip(points, start.tolist(), end.tolist(), self.arm_thickness, self.arm_width, strict=True)
+        arms = zip(points, start.tolist(), end.tolist(), self.arm_sections, strict=True)
         star_of_arms = zip(arms, self.arm_star.tolist(), self.star_side[self.arm_star].tolist(), strict=True)
         rods = tuple(Rod(*arm, group=star, side=side) for arm, star, side in star_of_arms)
         touched = np.bincount(end, minlength=len(nodes)) > 0
@@ -118,7 +118,7 @@ class Layout:
 
     @property
     def star_sizes_mm(self) -> Floats:
-        """(S, 3) length, thickness and width of each star, as `site_sizes_mm`."""
+        """(S, K + 1) `STAR_SIZES` of each star, as `site_sizes_mm`."""
         return self.site_sizes_mm[self.star_number]
 
     @cached_property
@@ -186,6 +186,16 @@ class Layout:
     def arm_length(self) -> Floats:
         """(A,) mm."""
         return np.asarray(np.linalg.norm(self.arm_tip - self.centres[self.arm_star], axis=1))
+
+    @property
+    def arm_thickness(self) -> Floats:
+        """(A, 2) mm, at the star's centre and at the tip."""
+        return self.arm_sections[..., 0]
+
+    @property
+    def arm_width(self) -> Floats:
+        """(A, 2) mm, at the star's centre and at the tip."""
+        return self.arm_sections[..., 1]
 
     @property
     def pin_steps(self) -> tuple[int, ...]:

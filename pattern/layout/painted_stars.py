@@ -2,22 +2,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import lru_cache
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from asterism.equilibrium.arrays import Ints
+from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.design import Design
-from asterism.pattern.design.stars import Override, Site
+from asterism.pattern.design.stars import SIZE_KEYS, Override, Site, SizeName
 from asterism.pattern.layout.build import sheet_sites
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.layout.star_cells import site_of
 
-SIZE_KEYS = ("length_mm", "thickness_mm", "width_mm")
-SizeName = Literal["length_mm", "thickness_mm", "width_mm"]
-NO_SIZES = (None, None, None)
+NO_SIZES = (None,) * len(SIZE_KEYS)
+
+
+def size_rows(sizes: Mapping[SizeName, ArrayLike]) -> Floats:
+    """(n, L) sizes of stars for `with_painted_stars`: some of them, (n,) each; nan for the others.
+
+    >>> size_rows({"thickness_mm": [0.3, 0.4]})[:, :3].tolist()
+    [[nan, 0.3, nan], [nan, 0.4, nan]]
+    """
+    count = max(np.size(values) for values in sizes.values())
+    return np.column_stack([np.broadcast_to(sizes.get(key, np.nan), count) for key in SIZE_KEYS])
 
 
 def with_painted_stars(design: Design, sites: ArrayLike, sizes_mm: ArrayLike, removed: ArrayLike = ()) -> Design:
@@ -29,7 +38,7 @@ def with_painted_stars(design: Design, sites: ArrayLike, sizes_mm: ArrayLike, re
     Parameters
     ----------
     sites : (n, 2) lattice sites, whole numbers. Sites off the sheet count as soon as the outline includes them.
-    sizes_mm : (n, 3) length, thickness and width; nan keeps the size that the design has there.
+    sizes_mm : (n, L) `STAR_SIZES` (length, thickness and width); nan keeps the size that the design has there.
     removed : (m, 2) lattice sites without a star.
 
     >>> design = Design.from_dict({"stars": {"length_mm": 10}, "border": {"rings": 1}})
@@ -38,7 +47,7 @@ def with_painted_stars(design: Design, sites: ArrayLike, sizes_mm: ArrayLike, re
     [((0, 0), 6.0, False), ((1, 0), None, True)]
     """
     painted, gone = _whole_pairs(sites, "sites"), _whole_pairs(removed, "removed")
-    sizes = np.asarray(sizes_mm, dtype=float).reshape(-1, len(SIZE_KEYS)) if len(painted) else np.empty((0, 3))
+    sizes = np.asarray(sizes_mm if len(painted) else [], dtype=float).reshape(-1, len(SIZE_KEYS))
     if len(sizes) != len(painted):
         raise ValueError(f"sizes_mm must have one row a site, {len(painted)}, got {len(sizes)}")
     entries = {entry.site: entry for entry in overrides_by_site(design)}
@@ -49,9 +58,9 @@ def with_painted_stars(design: Design, sites: ArrayLike, sizes_mm: ArrayLike, re
             sizes_of_star = zip(SIZE_KEYS, given, strict=True)
             entries[site] = old.model_copy(update={key: size for key, size in sizes_of_star if size is not None})
         elif given != NO_SIZES:
-            entries[site] = _entry(site, *given)
+            entries[site] = _entry(site, given)
     for site in map(tuple, gone.tolist()):
-        entries[site] = _entry(site, *NO_SIZES)
+        entries[site] = _entry(site, NO_SIZES)
     stars = design.required_stars.model_copy(update={"override": tuple(entries.values())})
     return design.model_copy(update={"stars": stars})
 
@@ -78,10 +87,10 @@ def stars_apart(layout: Layout, steps: int) -> list[Ints]:
 
 
 @lru_cache(maxsize=20_000)
-def _entry(site: Site, length: float | None, thickness: float | None, width: float | None) -> Override:
+def _entry(site: Site, given: tuple[float | None, ...]) -> Override:
     """The entry of a star, without its checks; of a removed one if it has no size. A stroke changes few of many."""
-    sizes: dict[str, Any] = dict(zip(SIZE_KEYS, (length, thickness, width), strict=True))
-    return Override.model_construct(site=site, remove=(length, thickness, width) == NO_SIZES, **sizes)
+    sizes: dict[str, Any] = dict(zip(SIZE_KEYS, given, strict=True))
+    return Override.model_construct(site=site, remove=given == NO_SIZES, **sizes)
 
 
 def _whole_pairs(values: ArrayLike, name: str) -> Ints:

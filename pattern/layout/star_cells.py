@@ -14,7 +14,7 @@ from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.design.section import FACES
 from asterism.pattern.design.sizing.profiles import sample
-from asterism.pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM, Override, Site, Stars
+from asterism.pattern.design.stars import MIN_ARM_MM, ROD_SIZES, Override, Site, Stars
 from asterism.pattern.geometry.planar import polygon_area, shown_place
 
 _SIGN = {"up": 1, "down": -1, "free": 0}
@@ -138,17 +138,15 @@ class StarSizes:
     """Sizes at the stars of a lattice, before they are rounded for a printer. Removed stars have length 0."""
 
     length: Floats  # (S,) mm
-    # thickness, width: (S, arms, 2) mm, at the centre and at the tip of each arm.
-    thickness: Floats
-    width: Floats
+    sections: Floats  # (S, arms, 2, K) `ROD_SIZES` at the centre and at the tip of each arm
     branch: Ints  # (S,) 1 for stars that start up, -1 for those that start down, 0 for those that start flat
     side: Ints  # (S,) 1 for stars above the fabric, -1 for those below
     ignored_sites: Ints  # (k, 2) sites of overrides that are off the sheet
 
     @property
     def at_centres(self) -> Floats:
-        """(S, 3) mm: length of the arms, thickness and width at the star's centre."""
-        return np.column_stack([self.length, self.thickness[:, 0, 0], self.width[:, 0, 0]])
+        """(S, K + 1) `STAR_SIZES`: length of the arms, and their sections at the star's centre."""
+        return np.column_stack([self.length, self.sections[:, 0, 0]])
 
 
 def star_sizes(stars: Stars, sites: Ints, lattice: Lattice) -> StarSizes:
@@ -169,11 +167,10 @@ def star_sizes(stars: Stars, sites: Ints, lattice: Lattice) -> StarSizes:
     tips = centres[:, None, :] + np.clip(np.nan_to_num(length), 0, spacing)[:, None, None] * arm_directions
     both = np.stack([np.broadcast_to(centres[:, None, :], tips.shape), tips], axis=2)
     at = both if stars.vary_along_arms else np.broadcast_to(both[:, :, :1], both.shape)
-    thickness = sample(stars.thickness_mm, at.reshape(-1, 2)).reshape(at.shape[:-1])
-    width = sample(stars.width_mm, at.reshape(-1, 2)).reshape(at.shape[:-1])
-    sections = (("thickness_mm", thickness, THICKNESS_RANGE_MM), ("width_mm", width, WIDTH_RANGE_MM))
-    for key, values, limits in sections:
-        _set_own(values, changes, key, limits, centres)
+    fields = [sample(getattr(stars, size.key), at.reshape(-1, 2)).reshape(at.shape[:-1]) for size in ROD_SIZES]
+    sections = np.stack(fields, axis=-1)
+    for k, size in enumerate(ROD_SIZES):
+        _set_own(sections[..., k], changes, size.key, size.limits, centres)
     branch = np.full(len(centres), _SIGN[stars.branch], dtype=np.int64)
     side = np.full(len(centres), FACES[stars.side], dtype=np.int64)
     for star, (_, entry) in changes.items():
@@ -187,10 +184,10 @@ def star_sizes(stars: Stars, sites: Ints, lattice: Lattice) -> StarSizes:
     unit = 1.0 if stars.length_fraction is None else spacing
     _check(field, length / unit, (0.0, spacing / unit), centres)
     printed = np.flatnonzero(length >= MIN_ARM_MM)
-    for key, values, limits in sections:
-        _check(f"stars.{key}", values[printed], limits, centres[printed], printed)
-    thickness, width = np.minimum(thickness, THICKNESS_RANGE_MM[1]), np.minimum(width, WIDTH_RANGE_MM[1])
-    return StarSizes(np.minimum(length, spacing), thickness, width, branch, side, ignored)
+    for k, size in enumerate(ROD_SIZES):
+        _check(f"stars.{size.key}", sections[printed, ..., k], size.limits, centres[printed], printed)
+    sections = np.minimum(sections, [size.limits[1] for size in ROD_SIZES])
+    return StarSizes(np.minimum(length, spacing), sections, branch, side, ignored)
 
 
 def site_of(entry: Override, sites: Ints, lattice: Lattice) -> Site | None:

@@ -10,6 +10,7 @@ from scipy.spatial import cKDTree
 
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.errors import MeshError
+from asterism.pattern.design.stars import ROD_SIZES
 from asterism.pattern.geometry.planar import distance_to_segment, turning_angles
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.rods.graph import CORNER_DEG, Rod
@@ -97,10 +98,10 @@ def points_around(ring: Floats, step: float, pins: Floats, tolerance: float) -> 
     first = int(corners[0]) if len(corners) else 0
     closed = np.concatenate([np.roll(ring, -first, axis=0), ring[first : first + 1]])
     stops = [*(corners - first), len(ring)] if len(corners) else [0, len(ring)]
-    none = np.zeros(len(closed))
+    none = np.zeros((len(closed), len(ROD_SIZES)))
     pieces = []
     for a, b in pairwise(stops):
-        side = Rod(closed[a : b + 1], 0, 1, none[a : b + 1], none[a : b + 1])
+        side = Rod(closed[a : b + 1], 0, 1, none[a : b + 1])
         # a side of a polygon may be one edge, a curve has more
         count = max(np.rint(side.length / step), 1.0, np.ceil(side.turn / MAX_SEGMENT_TURN_RAD))
         pieces.append(points_along(side, side.length / count, pins, tolerance)[:-1])

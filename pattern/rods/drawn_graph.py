@@ -17,7 +17,7 @@ from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.design.rods import DrawnLine, Rods
 from asterism.pattern.design.sizing.profiles import Profile, SizingField, sample
-from asterism.pattern.design.stars import MIN_ARM_MM, THICKNESS_RANGE_MM, WIDTH_RANGE_MM
+from asterism.pattern.design.stars import MIN_ARM_MM, ROD_SIZES, StarSize, rounded_sections
 from asterism.pattern.geometry.planar import clusters, nearest_segment, polygon_area, shown_place, turning_angles
 from asterism.pattern.rods.arms import parts_within
 from asterism.pattern.rods.curves import check_holes, hole_rings, polyline
@@ -188,29 +188,24 @@ def _on_sheet(drawn: PlacedLine, border: Border, inner: shapely.Polygon | shapel
 def rod_of_piece(drawn: PlacedLine, points: Floats, start: int, end: int, rods: Rods) -> Rod:
     """A piece of a line as a rod, with its sections."""
     line = drawn.line
-    thickness = rods.thickness_mm if line.thickness_mm is None else line.thickness_mm
-    width = rods.width_mm if line.width_mm is None else line.width_mm
-    if isinstance(thickness, Profile) or isinstance(width, Profile):
+    fields = {size: rods.size_of(line, size.key) for size in ROD_SIZES}
+    if any(isinstance(field, Profile) for field in fields.values()):
         # mm: sections that vary over the sheet are evaluated at points this close along a rod
         points = shapely.get_coordinates(shapely.segmentize(shapely.LineString(points), 1.0))
-    thicknesses = _sizes(thickness, points, THICKNESS_RANGE_MM, "thickness_mm", drawn, rods)
-    widths = _sizes(width, points, WIDTH_RANGE_MM, "width_mm", drawn, rods)
-    if (rounding := rods.rounding) is not None:
-        thicknesses, widths = rounding.thickness(thicknesses), rounding.width(widths)
+    sections = np.column_stack([_sizes(field, points, size, drawn, rods) for size, field in fields.items()])
     kappa_bar, face = line.kappa_bar_per_mm, rods.face(line)
-    return Rod(points, start, end, thicknesses, widths, kappa_bar, drawn.name, drawn.group, face)
+    sections = rounded_sections(rods.rounding, sections)
+    return Rod(points, start, end, sections, kappa_bar, drawn.name, drawn.group, face)
 
 
-def _sizes(
-    field: SizingField, points: Floats, limits: tuple[float, float], key: str, drawn: PlacedLine, rods: Rods
-) -> Floats:
-    """(n,) mm, a size along a rod, within the limits of a printer."""
-    values = sample(field, points)
+def _sizes(field: SizingField, points: Floats, size: StarSize, drawn: PlacedLine, rods: Rods) -> Floats:
+    """(n,) a size along a rod, within the limits of a printer."""
+    values, limits = sample(field, points), size.limits
     wrong = ~((values >= limits[0]) & (values <= limits[1]))
     if wrong.any():
         at = int(wrong.argmax())
         problem = f"must be from {limits[0]:g} to {limits[1]:g} along {drawn.name}, as at {shown_place(points[at])}"
-        raise DesignError(_size_field(drawn.line, key, rods), problem, float(values[at]), place_mm=points[at])
+        raise DesignError(_size_field(drawn.line, size.key, rods), problem, float(values[at]), place_mm=points[at])
     return values
 
 

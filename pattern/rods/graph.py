@@ -23,7 +23,7 @@ class Rod:
     """A rod from one node to another.
 
     >>> ends = np.array([[0.0, 0.0], [10.0, 0.0]])
-    >>> rod = Rod(ends, 0, 1, np.array([0.3, 0.5]), np.array([1.2, 1.2]))
+    >>> rod = Rod(ends, 0, 1, np.array([[0.3, 1.2], [0.5, 1.2]]))
     >>> rod.length, rod.at(rod.thickness, np.array([0.5])).tolist()
     (10.0, [0.4])
     """
@@ -33,13 +33,22 @@ class Rod:
     # start, end: numbers of its nodes; equal for a closed rod.
     start: int
     end: int
-    # thickness, width: (n,) mm at the points, linear in arc length between them.
-    thickness: Floats
-    width: Floats
+    # (n, K) thickness, width and further `pattern.design.stars.ROD_SIZES` at the points, linear in arc length between.
+    sections: Floats
     kappa_bar: float | None = None  # 1/mm, residual curvature of its plastic; None for that of the design's plastic
     name: str = ""  # the name in the drawing, for messages
     group: int = -1  # number of the star or of the copy of a motif that it belongs to; -1 for none
     side: int = 1  # face of the fabric that carries it: 1 above, -1 below
+
+    @property
+    def thickness(self) -> Floats:
+        """(n,) mm, at the points."""
+        return self.sections[:, 0]
+
+    @property
+    def width(self) -> Floats:
+        """(n,) mm, at the points."""
+        return self.sections[:, 1]
 
     @cached_property
     def arc_lengths(self) -> Floats:
@@ -92,8 +101,8 @@ class RodGraph:
 
     Two rods that meet at a right angle are bonded there, and end freely at their other nodes:
 
-    >>> nodes, sizes = np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 5.0]]), np.array([0.3, 0.3])
-    >>> rods = (Rod(nodes[:2], 0, 1, sizes, 4 * sizes), Rod(nodes[1:], 1, 2, sizes, 4 * sizes))
+    >>> nodes, sizes = np.array([[0.0, 0.0], [10.0, 0.0], [10.0, 5.0]]), np.array([[0.3, 1.2], [0.3, 1.2]])
+    >>> rods = (Rod(nodes[:2], 0, 1, sizes), Rod(nodes[1:], 1, 2, sizes))
     >>> RodGraph(nodes, rods).joints
     (1,)
     """
@@ -164,9 +173,9 @@ def apart_by_face(graph: RodGraph) -> RodGraph:
 
     Two rods in one line and two across them. Those across are below, so nothing is bonded:
 
-    >>> ends, sizes = np.array([[-9.0, 0.0], [9.0, 0.0], [0.0, -9.0], [0.0, 9.0]]), np.array([0.3, 0.3])
+    >>> ends, sizes = np.array([[-9.0, 0.0], [9.0, 0.0], [0.0, -9.0], [0.0, 9.0]]), np.array([[0.3, 1.2], [0.3, 1.2]])
     >>> sides = [1, 1, -1, -1]
-    >>> rods = [Rod(np.array([ends[k], [0, 0]]), k, 4, sizes, sizes, side=side) for k, side in enumerate(sides)]
+    >>> rods = [Rod(np.array([ends[k], [0, 0]]), k, 4, sizes, side=side) for k, side in enumerate(sides)]
     >>> cross = RodGraph(np.vstack([ends, [0, 0]]), tuple(rods))
     >>> len(cross.joints), len(apart_by_face(cross).joints), len(apart_by_face(cross).links)
     (1, 0, 2)

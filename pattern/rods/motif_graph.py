@@ -11,6 +11,7 @@ from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.design.rods import Rods
 from asterism.pattern.design.sizing.profiles import Profile
+from asterism.pattern.design.stars import ROD_SIZE_KEYS
 from asterism.pattern.geometry.plane_lattice import PlaneLattice
 from asterism.pattern.rods.curves import polyline
 from asterism.pattern.rods.drawn_graph import PlacedLine, graph_of_lines
@@ -82,7 +83,7 @@ def _places_nearby(rods: Rods, lattice: Lattice) -> Floats:
 def _check_equal(rods: Rods) -> None:
     sizes = [("rods", rods), *((f"rods.motif[{k}]", line) for k, line in enumerate(rods.motif))]
     for place, section in sizes:
-        for name in ("thickness_mm", "width_mm"):
+        for name in ROD_SIZE_KEYS:
             if isinstance(getattr(section, name), Profile):
                 raise DesignError(f"{place}.{name}", "must be a number: all copies in a unit cell are equal")
 

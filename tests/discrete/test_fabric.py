@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from scipy.spatial import Delaunay
 
-from asterism.discrete.energies.bending.hinges import Hinges, fold_coefficients, hinge_coefficients, interior_edges
+from asterism.discrete.energies.bending.fabric_bending import interior_edges
+from asterism.discrete.energies.bending.hinges import Hinges, fold_coefficients, hinge_coefficients
 from asterism.discrete.energies.membrane import Membrane
 from asterism.discrete.model.state import State
 from asterism.discrete.model.system import System

@@ -29,8 +29,7 @@ LAYOUT = layout(DESIGN)
 # arms of different cross-sections: swapping two of them would be seen
 UNEVEN = replace(
     LAYOUT,
-    arm_thickness=np.array([[0.3, 0.35], [0.4, 0.4], [0.5, 0.3]]),
-    arm_width=np.array([[1.2, 1.0], [0.9, 0.9], [1.1, 1.3]]),
+    arm_sections=np.array([[[0.3, 1.2], [0.35, 1.0]], [[0.4, 0.9], [0.4, 0.9]], [[0.5, 1.1], [0.3, 1.3]]]),
 )
 MESH = mesh_layout(UNEVEN, 3.5, "delaunay")
 MODEL = DiscreteModel(DESIGN, UNEVEN, MESH)
@@ -153,7 +152,7 @@ def test_permuted_vertices_triangles_and_rods(seed):
         triangles=rng.permutation(np.roll(new[MESH.triangles], rng.integers(3), axis=1)),
         rods=tuple(new[MESH.rods[r]] for r in rods),
     )
-    shuffled = replace(UNEVEN, arm_thickness=UNEVEN.arm_thickness[rods], arm_width=UNEVEN.arm_width[rods])
+    shuffled = replace(UNEVEN, arm_sections=UNEVEN.arm_sections[rods])
     model = DiscreteModel(DESIGN, shuffled, mesh)
     edges = np.concatenate([np.flatnonzero(MODEL.network.rod == r) for r in rods])
     moved = State(STATE.positions[old], STATE.directors[edges])
@@ -178,11 +177,9 @@ def test_reversed_rod(rod):
     one = DiscreteModel(DESIGN, loose, MESH)
     rods = list(MESH.rods)
     rods[rod] = rods[rod][::-1]
-    thickness, width = UNEVEN.arm_thickness.copy(), UNEVEN.arm_width.copy()
-    thickness[rod], width[rod] = thickness[rod, ::-1], width[rod, ::-1]
-    other = DiscreteModel(
-        DESIGN, replace(loose, arm_thickness=thickness, arm_width=width), replace(MESH, rods=tuple(rods))
-    )
+    sections = UNEVEN.arm_sections.copy()
+    sections[rod] = sections[rod, ::-1]
+    other = DiscreteModel(DESIGN, replace(loose, arm_sections=sections), replace(MESH, rods=tuple(rods)))
     edges = np.arange(len(one.edges))
     mine = np.flatnonzero(one.network.rod == rod)
     edges[mine] = mine[::-1]

@@ -16,7 +16,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from asterism.discrete.energies.bending.hinges import Hinges, hinge_coefficients, interior_edges
+from asterism.discrete.energies.bending.fabric_bending import interior_edges
+from asterism.discrete.energies.bending.hinges import Hinges, hinge_coefficients
 from asterism.discrete.energies.elements import Elements
 from asterism.discrete.energies.membrane import Membrane
 from asterism.discrete.energies.rods.network import RodNetwork, bend_params, rod_network, stencil_inputs, stencil_length
@@ -152,8 +153,7 @@ def model(data: dict[str, Array]) -> DiscreteModel:
         centres=points[centres],
         arm_star=star,
         arm_tip=points[[path[-1] for path in rod_paths]],
-        arm_thickness=np.repeat(data["rod_h"][:, None], 2, axis=1),
-        arm_width=np.repeat(data["rod_w"][:, None], 2, axis=1),
+        arm_sections=np.stack([np.column_stack([data["rod_h"], data["rod_w"]])] * 2, axis=1),
         pins=(),
         lattice_vectors=SPACING * np.array([[np.sqrt(0.75), 0.5], [0.0, 1.0]]),
         lattice_origin=np.zeros(2),

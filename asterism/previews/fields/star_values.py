@@ -15,7 +15,7 @@ import scipy.sparse as sp
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.anisotropy import BENDING_COLUMNS, MOMENT_COLUMNS, tube_of_largest_gain
-from asterism.homogenize.law.axes import law_coordinates
+from asterism.homogenize.law.plan import law_coordinates
 from asterism.homogenize.law.star_law import MAX_SEPARATED_CURL, QUANTITY_NAMES, StarLaw
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.lattice import DEFAULT_SPACING_MM
@@ -38,7 +38,7 @@ class StarValues:
     # (S + 1, 2, W) mm and mm^2, amplitudes of the law's waves: of the flat cell, and change per curvature
     corrugation: Floats
     side: Ints  # (S + 1,) face of the fabric that carries each star: 1 above, -1 below; 1 for bare fabric
-    sizes: Floats  # (S, A) sizes of each star's arms (`homogenize.law.axes.AXES`), at which the law is evaluated
+    sizes: Floats  # (S, A) sizes of each star's arms (`STAR_SIZES`), at which the law is evaluated
     outside: tuple[str, ...]  # one line for each star beyond the law's range; the nearest star in the range replaces it
     outside_stars: tuple[int, ...]  # numbers of these stars
     # numbers of the stars whose sheet would curl to a radius below two thirds of their spacing, in the mean over

@@ -1,9 +1,11 @@
 // Numbers as people read them: always with a unit, always the same number of digits.
 
+/** The sizes of stars by their names on the server: `column` in its order, `usual`, where sliders for rods end, and
+ * what a star of a size is. */
 export const QUANTITIES = {
-  length: { key: "length_mm", name: "Length", column: 0, step: 0.5, digits: 1, usual: 20 },
-  thickness: { key: "thickness_mm", name: "Thickness", column: 1, step: 0.05, digits: 2, usual: 1.2 },
-  width: { key: "width_mm", name: "Width", column: 2, step: 0.1, digits: 2, usual: 4 },
+  length: { key: "length_mm", name: "Length", column: 0, step: 0.5, digits: 1, usual: 20, is: "long" },
+  thickness: { key: "thickness_mm", name: "Thickness", column: 1, step: 0.05, digits: 2, usual: 1.2, is: "thick" },
+  width: { key: "width_mm", name: "Width", column: 2, step: 0.1, digits: 2, usual: 4, is: "wide" },
 };
 
 /** Their names, as options of a list. */
@@ -16,6 +18,10 @@ export function fixed(value, digits = 1) {
 }
 
 export const mm = (value, digits = 1) => `${fixed(value, digits)} mm`;
+
+/** The sizes of a star: what `words` says of each quantity and its size. */
+export const sizesOf = ({ sizes }, words) =>
+  Object.values(QUANTITIES).map((entry) => words(entry, mm(sizes[entry.column], entry.digits))).join(", ");
 
 /** A weight, as a factor. */
 export const times = (value) => `×${Number(value.toFixed(value < 10 ? 1 : 0)) || value}`;

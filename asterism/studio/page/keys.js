@@ -1,7 +1,7 @@
 // All shortcuts, and the overlay that lists them.
 
 import { ARROWS, dialog, h, isDelete, section, signOf } from "./dom.js";
-import { QUANTITIES, mm } from "./format.js";
+import { QUANTITIES, mm, sizesOf } from "./format.js";
 import { difference } from "./geometry.js";
 import { announce } from "./panels/toasts.js";
 import { VIEWS } from "./view/camera.js";
@@ -154,10 +154,8 @@ export function listenToKeys({ store, actions, plan, view, edits, tools }) {
     }
     if (!best) return true;
     store.set({ cursor: best.key, hover: best.key });
-    const [length, thickness, width] = best.sizes;
-    announce(
-      `Star ${best.row}, x ${mm(best.at[0])}, y ${mm(best.at[1])}, ${best.removed ? "removed" : `length ${mm(length)}, thickness ${mm(thickness, 2)}, width ${mm(width, 2)}`}`,
-    );
+    const said = best.removed ? "removed" : sizesOf(best, ({ name }, size) => `${name.toLowerCase()} ${size}`);
+    announce(`Star ${best.row}, x ${mm(best.at[0])}, y ${mm(best.at[1])}, ${said}`);
     return true;
   }
 

@@ -27,15 +27,16 @@ export function brushed(rods, brush, images, kept) {
 
 /** A copy of a rod with a place at least every millimetre. */
 function inSteps(rod) {
-  const { name, points_mm: points, thickness_mm: thickness, width_mm: width } = rod;
-  const out = { name, points_mm: [points[0]], thickness_mm: [thickness[0]], width_mm: [width[0]] };
+  const { name, points_mm: points, ...sizes } = rod;
+  const firsts = Object.entries(sizes).map(([key, values]) => [key, [values[0]]]);
+  const out = { name, points_mm: [points[0]], ...Object.fromEntries(firsts) };
   for (let k = 1; k < points.length; k++) {
     const count = Math.max(1, Math.ceil(distance(points[k - 1], points[k]) / STEP_MM));
     for (let step = 1; step <= count; step++) {
-      const mixed = (values) => values[k - 1] + (step / count) * (values[k] - values[k - 1]);
       out.points_mm.push(between(points[k - 1], points[k], step / count));
-      out.thickness_mm.push(mixed(thickness));
-      out.width_mm.push(mixed(width));
+      for (const [key, values] of Object.entries(sizes)) {
+        out[key].push(values[k - 1] + (step / count) * (values[k] - values[k - 1]));
+      }
     }
   }
   return out;

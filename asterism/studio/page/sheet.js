@@ -173,9 +173,9 @@ export class Sheet {
   /** Step of printable values of a quantity, {first, step}; null if sizes are not rounded. */
   printable(quantity) {
     const { rounding } = this.design[patternOf(this.design)] ?? {};
-    if (!rounding || quantity === "length") return null;
-    if (quantity === "width") return rounding.line_mm ? { first: rounding.line_mm, step: rounding.line_mm } : null;
-    return rounding.layer_mm ? { first: rounding.first_layer_mm, step: rounding.layer_mm } : null;
+    const { first_layer_mm: first, layer_mm: layer, line_mm: line } = rounding ?? {};
+    if (quantity === "thickness" && layer) return { first, step: layer };
+    return quantity === "width" && line ? { first: line, step: line } : null;
   }
 
   /** A value within the limits, and printable where the design rounds. */

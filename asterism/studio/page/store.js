@@ -1,6 +1,7 @@
 // The state of the page: what the server said, what is selected, which tool is active. Everything else reads it here.
 
 import { badgeOf } from "./badge.js";
+import { startNumbers } from "./brush_modes.js";
 
 /** Values by name; listeners are called after a change with the new values. */
 export class Store {
@@ -42,7 +43,7 @@ export class Store {
 
 /** What a page remembers from visit to visit. */
 const SETTINGS = {
-  brush: { quantity: "length", mode: "set", radius: null, strength: 0.5, target: 9, amount: 1 },
+  brush: { quantity: "length", mode: "set", radius: null, strength: 0.5, ...startNumbers(9, 0.5) },
   weightBrush: { mode: "paint", radius: null, strength: 0.5, weight: 5 }, // radii: null follows the sheet, see sheet.js
   inLaw: true,
   snap: true,

@@ -1,7 +1,7 @@
 // The table of stars: everything of the plan as text and number fields.
 
 import { check, dialog, h, table } from "./dom.js";
-import { QUANTITIES, fixed, plural } from "./format.js";
+import { QUANTITIES, QUANTITY_NAMES, fixed, plural } from "./format.js";
 import { numberCell, rebuild } from "./panels/fields.js";
 
 const MAX_ROWS = 400;
@@ -63,7 +63,7 @@ export function openTable({ store, edits }) {
     rebuild(body, () => shown.slice(0, MAX_ROWS).map(row));
   }
 
-  const heads = ["", "Star", "Site", "x, mm", "y, mm", "Length", "Thickness", "Width", "Printed"];
+  const heads = ["", "Star", "Site", "x, mm", "y, mm", ...Object.values(QUANTITY_NAMES), "Printed"];
   const stop = store.on(["sheet", "selection"], fill);
   dialog(
     "Stars",

@@ -1,20 +1,20 @@
-"""The bending energies of the fabric, by their names in the design file.
+"""The registry of the fabric's bending energies: each module of this folder registers its own.
 
-A new energy takes a class of elements, an entry in `FABRIC_BENDING`, and its name and stiffness in
-`pattern.design.materials`.
+A new energy takes a module with its elements, and its name and stiffness in `pattern.design.materials`.
 """
 
 from __future__ import annotations
 
+import pkgutil
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import cast
+from importlib import import_module
 
-from asterism.discrete.energies.bending.hinges import Hinges, fold_coefficients, hinge_coefficients, interior_edges
-from asterism.discrete.energies.bending.plate import Plate
+import numpy as np
+
 from asterism.discrete.energies.elements import Elements
 from asterism.equilibrium.arrays import Array
-from asterism.pattern.design.materials import BendingStiffness
+from asterism.pattern.design.materials import BendingStiffness, Fabric
 
 
 @dataclass(frozen=True)
@@ -52,40 +52,36 @@ class FabricBending:
         return sum(energies.get(part, 0.0) for part in self.parts)
 
 
-def _hinges(mesh: BendingMesh, stiffness: BendingStiffness) -> dict[str, Elements]:
-    hinges = mesh.hinges
-    return {"hinges": Hinges(hinges, hinge_coefficients(hinges, mesh.printed, stiffness.d11))}
-
-
-def _set_rest_of_hinges(
-    parts: Mapping[str, Elements], stiffness: BendingStiffness, area_ratio: float, shape: Array | None
-) -> None:
-    if shape is not None:
-        hinges = cast(Hinges, parts["hinges"])
-        hinges.params[:, 0] = hinge_coefficients(hinges.vertices, shape, stiffness.d11)
-
-
-def _plate(mesh: BendingMesh, stiffness: BendingStiffness) -> dict[str, Elements]:
-    hinges = mesh.hinges
-    return {
-        "plate": Plate(mesh.triangles, mesh.printed, stiffness, mesh.surrounding),
-        "folds": Hinges(hinges, 0.0, fold_coefficients(hinges, mesh.printed, stiffness.mean)),
-    }
-
-
-def _set_rest_of_plate(
-    parts: Mapping[str, Elements], stiffness: BendingStiffness, area_ratio: float, shape: Array | None
-) -> None:
-    cast(Plate, parts["plate"]).set_rest_area(area_ratio)
-    if shape is not None:
-        folds = cast(Hinges, parts["folds"])
-        folds.params[:, 1] = fold_coefficients(folds.vertices, shape, stiffness.mean)
-
-
-PLATE = FabricBending(("plate", "folds"), _plate, _set_rest_of_plate, needs_neighbours=True)
+# by their names in the design file; read it by `bending_of`
 FABRIC_BENDING = {
-    "paper": FabricBending(("hinges",), _hinges, _set_rest_of_hinges),
-    "plate": PLATE,
-    "consistent": PLATE,
     "none": FabricBending((), lambda mesh, stiffness: {}, lambda parts, stiffness, area_ratio, shape: None),
 }
+
+
+def bending_of(fabric: Fabric) -> FabricBending:
+    """The bending energy of a fabric.
+
+    >>> bending_of(Fabric(bending="paper")).parts
+    ('hinges',)
+    """
+    import asterism.discrete.energies.bending as package
+
+    for module in pkgutil.iter_modules(package.__path__):
+        import_module(f"{package.__name__}.{module.name}")
+    return FABRIC_BENDING[fabric.bending]
+
+
+def interior_edges(triangles: Array) -> Array:
+    """(H, 4) hinges of counterclockwise triangles (T, 3), sorted by the vertices of their edges.
+
+    >>> interior_edges(np.array([[0, 1, 2], [0, 2, 3]])).tolist()
+    [[2, 0, 1, 3]]
+    """
+    start = triangles.ravel()
+    end = np.roll(triangles, -1, axis=1).ravel()
+    apex = np.roll(triangles, -2, axis=1).ravel()
+    key = np.minimum(start, end).astype(np.int64) * (int(triangles.max()) + 1) + np.maximum(start, end)
+    order = np.argsort(key, kind="stable")
+    pair = np.flatnonzero(key[order][1:] == key[order][:-1])
+    left, right = order[pair], order[pair + 1]
+    return np.column_stack([start[left], end[left], apex[left], apex[right]])

@@ -14,11 +14,16 @@ rotation of the edge's frame, cancels between the two triangles.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import cast
+
 import numpy as np
 
+from asterism.discrete.energies.bending.fabric_bending import FABRIC_BENDING, BendingMesh, FabricBending
 from asterism.discrete.energies.elements import Elements
 from asterism.discrete.energies.kernel import combine, cross, dot, formula, multiply, point, sub, sweep
 from asterism.equilibrium.arrays import Array
+from asterism.pattern.design.materials import BendingStiffness
 
 
 @formula
@@ -138,22 +143,6 @@ class Hinges(Elements):
         return self.inputs[:, ::3] // 3
 
 
-def interior_edges(triangles: Array) -> Array:
-    """(H, 4) hinges of counterclockwise triangles (T, 3), sorted by the vertices of their edges.
-
-    >>> interior_edges(np.array([[0, 1, 2], [0, 2, 3]])).tolist()
-    [[2, 0, 1, 3]]
-    """
-    start = triangles.ravel()
-    end = np.roll(triangles, -1, axis=1).ravel()
-    apex = np.roll(triangles, -2, axis=1).ravel()
-    key = np.minimum(start, end).astype(np.int64) * (int(triangles.max()) + 1) + np.maximum(start, end)
-    order = np.argsort(key, kind="stable")
-    pair = np.flatnonzero(key[order][1:] == key[order][:-1])
-    left, right = order[pair], order[pair + 1]
-    return np.column_stack([start[left], end[left], apex[left], apex[right]])
-
-
 def hinge_coefficients(hinges: Array, rest: Array, stiffness: float) -> Array:
     """(H,) N mm, `c = k_B 3 |e|^2/(A1 + A2)` on the rest shape (V, 2) mm; the size of the shape does not matter.
 
@@ -173,3 +162,19 @@ def fold_coefficients(hinges: Array, rest: Array, stiffness: float) -> Array:
     energy adds this difference, for hinges as stiff as the plate of a cylinder.
     """
     return 0.5 * hinge_coefficients(hinges, rest, stiffness)
+
+
+def _build(mesh: BendingMesh, stiffness: BendingStiffness) -> dict[str, Elements]:
+    hinges = mesh.hinges
+    return {"hinges": Hinges(hinges, hinge_coefficients(hinges, mesh.printed, stiffness.d11))}
+
+
+def _set_rest(
+    parts: Mapping[str, Elements], stiffness: BendingStiffness, area_ratio: float, shape: Array | None
+) -> None:
+    if shape is not None:
+        hinges = cast(Hinges, parts["hinges"])
+        hinges.params[:, 0] = hinge_coefficients(hinges.vertices, shape, stiffness.d11)
+
+
+FABRIC_BENDING["paper"] = FabricBending(("hinges",), _build, _set_rest)

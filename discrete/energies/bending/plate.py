@@ -35,13 +35,20 @@ heights.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from itertools import combinations
+from typing import cast
 
 import numpy as np
 
-from asterism.discrete.energies.bending.hinges import interior_edges
+from asterism.discrete.energies.bending.fabric_bending import (
+    FABRIC_BENDING,
+    BendingMesh,
+    FabricBending,
+    interior_edges,
+)
+from asterism.discrete.energies.bending.hinges import Hinges, fold_coefficients
 from asterism.discrete.energies.elements import Elements
 from asterism.discrete.energies.kernel import combine, cross, dot, formula, multiply, point, sub, sweep
 from asterism.equilibrium.arrays import Array
@@ -417,3 +424,24 @@ class Plate(Elements):
     def set_rest_area(self, area_ratio: float) -> None:
         """Set the rest area over the printed area, the same for all patches."""
         self.params[:, :4] = area_ratio * self._printed
+
+
+def _build(mesh: BendingMesh, stiffness: BendingStiffness) -> dict[str, Elements]:
+    hinges = mesh.hinges
+    return {
+        "plate": Plate(mesh.triangles, mesh.printed, stiffness, mesh.surrounding),
+        "folds": Hinges(hinges, 0.0, fold_coefficients(hinges, mesh.printed, stiffness.mean)),
+    }
+
+
+def _set_rest(
+    parts: Mapping[str, Elements], stiffness: BendingStiffness, area_ratio: float, shape: Array | None
+) -> None:
+    cast(Plate, parts["plate"]).set_rest_area(area_ratio)
+    if shape is not None:
+        folds = cast(Hinges, parts["folds"])
+        folds.params[:, 1] = fold_coefficients(folds.vertices, shape, stiffness.mean)
+
+
+PLATE = FabricBending(("plate", "folds"), _build, _set_rest, needs_neighbours=True)
+FABRIC_BENDING.update(plate=PLATE, consistent=PLATE)

@@ -40,7 +40,7 @@ def test_stars_contract_as_the_flattening_needs(guess: FirstGuess) -> None:
     sizes = {tuple(entry.site or ()): entry for entry in guess.design.stars.override}
     lengths = np.array([sizes[tuple(site)].length_mm for site in plan.sites.tolist()], dtype=float)
     thicknesses = np.array([sizes[tuple(site)].thickness_mm for site in plan.sites.tolist()], dtype=float)
-    values = paper_law().evaluate(guess.design, lengths, thicknesses, guess.menu.width_mm).value
+    values = paper_law().evaluate(guess.design, lengths, thicknesses, guess.menu.kept["width_mm"]).value
     # between the natural tube and the flat sheet
     assert (needed > values["lam_n"] * 0.98).all() and (needed < values["lam"] * 1.02).all()
     radius = np.linalg.norm(plan.centres - plan.outline.mean(axis=0), axis=1)
@@ -82,7 +82,7 @@ def test_the_border_of_a_saddle_is_held_along_that_of_the_target() -> None:
 
 def test_numbers_of_needles_and_the_width_of_the_arms_can_be_given() -> None:
     target = cap(30.0)
-    assert guess_design(target, paper_law(), FitSettings(width_mm=0.8)).menu.width_mm == 0.8
+    assert guess_design(target, paper_law(), FitSettings(width_mm=0.8)).menu.kept["width_mm"] == 0.8
     with pytest.raises(LawError, match=r"width_mm = 2: the law covers 0.8 to 1.6 mm"):
         guess_design(target, paper_law(), FitSettings(width_mm=2.0))
     assert len(guess_design(target, paper_law(), FitSettings(needles=7)).design.pins[0].corners or ()) == 7
@@ -132,7 +132,7 @@ def test_curvatures_of_a_cylinder_and_a_sphere() -> None:
 
 
 def test_the_menu_agrees_with_the_law() -> None:
-    menu = StarMenu.of(paper_law(), 1.35, 1.2)
+    menu = StarMenu.of(paper_law(), 1.35, {"width_mm": 1.2})
     assert 1.15 < menu.ratio < 1.25
     sizes = menu.sizes(np.array([0.80, 0.85]), np.array([0.02, 0.01]))
     table = paper_law().at(1.35)

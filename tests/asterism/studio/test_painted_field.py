@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import numpy as np
@@ -10,9 +11,11 @@ import pytest
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.sizing.profiles import LinearProfile, PictureProfile
+from asterism.pattern.design.stars import STAR_SIZES
 from asterism.pattern.layout.build import layout
 from asterism.studio.document import Document
 from asterism.studio.painted_field import Brush, PaintedField
+from asterism.studio.server import PAGE
 
 OUTLINE = np.array([[-20.0, -10.0], [30.0, -10.0], [30.0, 15.0], [-20.0, 15.0]])
 BRUSH = Brush(mode="set", radius=8.0, strength=1.0, value=0.9, low=0.05, high=5.0)
@@ -120,3 +123,9 @@ def test_sheets_of_stars_are_refused(tmp_path: Path) -> None:
     stars = Document({"stars": {"length_mm": 9.0}, "border": {"rings": 2}}, tmp_path / "a.toml")
     with pytest.raises(DesignError, match="the brush paints sizes of rods"):
         stars.brush("thickness_mm", BRUSH, [[(0.0, 0.0)]])
+
+
+def test_the_page_paints_the_sizes_of_stars() -> None:
+    text = (PAGE / "format.js").read_text(encoding="utf-8")
+    entries = re.findall(r'(\w+): \{ key: "(\w+)", name: "\w+", column: (\d)', text)
+    assert entries == [(size.name, size.key, str(column)) for column, size in enumerate(STAR_SIZES)]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from asterism.discrete.energies.bending.hinges import interior_edges
+from asterism.discrete.energies.bending.fabric_bending import interior_edges
 from asterism.discrete.energies.elements import Elements
 from asterism.discrete.energies.membrane import Membrane, SideMembrane, flat_share
 from asterism.equilibrium.arrays import Array

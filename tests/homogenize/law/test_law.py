@@ -242,6 +242,18 @@ def test_a_file_holds_all_of_it(tmp_path: Path) -> None:
     assert found == known
 
 
+def test_a_law_from_before_a_size_was_known_is_for_its_usual_value(tmp_path: Path) -> None:
+    known = law(widths_mm=[1.2])
+    with np.load(io.BytesIO(law_bytes(known))) as archive:
+        arrays = {name: np.array(archive[name]) for name in archive.files}
+    plan = json.loads(arrays["plan"].tobytes())
+    assert plan["sizes"].pop()["key"] == "width_mm"
+    arrays["plan"] = np.frombuffer(json.dumps(plan).encode(), np.uint8)
+    arrays |= {name: array[:, :, 0] for name, array in arrays.items() if "/" in name}
+    np.savez(tmp_path / "law.npz", **arrays)
+    assert law_digest(load_law(tmp_path / "law.npz")) == law_digest(known)
+
+
 def test_files_that_are_no_laws(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     path = tmp_path / "law.npz"
     for content, word in ((b"", "not a law"), (b"PK nonsense", "not a law"), (law_bytes(LAW)[:900], "damaged")):

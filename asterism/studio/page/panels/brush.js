@@ -1,6 +1,6 @@
 // Panel of the brush.
 
-import { MODES, isEven } from "../brush_modes.js";
+import { MODES, isEven, numbers, startNumbers } from "../brush_modes.js";
 import { bound, check, follow, h, hint, section, segments } from "../dom.js";
 import { QUANTITIES, QUANTITY_NAMES } from "../format.js";
 import { clamp } from "../geometry.js";
@@ -8,7 +8,7 @@ import { RADII, brushOn, namesWithOwn } from "../sheet.js";
 import { numberField } from "./fields.js";
 
 /** Unit and factor of the numbers that both brushes have. */
-const NUMBERS = {
+const COMMON = {
   radius: { step: 0.5, min: RADII[0], max: RADII[1] },
   strength: { unit: "%", min: 1, max: 100, step: 1, factor: 100 },
 };
@@ -23,7 +23,7 @@ export function brushParts({ store }, { setting, modes, prefix = "" }) {
   const options = { label: "Brush mode", testid: `${prefix}mode`, options: modes };
   const mode = segments({ ...options, ...bound(store, setting, "mode") });
   const field = (label, key, more = {}) => {
-    const { factor = 1, ...rest } = { ...NUMBERS[key], ...more };
+    const { factor = 1, ...rest } = { ...COMMON[key], ...more };
     const value = () => Number((factor * brush()[key]).toFixed(4));
     const onchange = (typed) => change({ [key]: typed / factor });
     return numberField({ label, slider: true, testid: prefix + key, value, onchange, ...rest });
@@ -42,7 +42,6 @@ export function brushPanel(studio, { on }) {
   /** What the brush may paint; sliders of rods end at usual sizes. */
   const range = () => sheet()?.range(brush().quantity, store.get("inLaw")) ?? [0, 20];
   const shown = () => [range()[0], isOfRods() ? Math.min(range()[1], QUANTITIES[brush().quantity].usual) : range()[1]];
-  const steps = () => 10 * QUANTITIES[brush().quantity].step;
   function rangeText() {
     const printable = sheet()?.printable(brush().quantity);
     const kind = store.get("inLaw") && !isOfRods() ? "Calibrated" : "Allowed";
@@ -64,18 +63,10 @@ export function brushPanel(studio, { on }) {
         onchange: (value) => change(valuesFor(sheet(), value)),
         hidden: hasNoSize,
       }),
-      field("Target", "target", {
-        step: 0.1,
-        digits: 2,
-        limits: shown,
-        value: () => clamp(brush().target, ...shown()),
-        hidden: () => brush().mode !== "set",
-      }),
-      field("Amount", "amount", {
-        step: 0.05,
-        digits: 2,
-        limits: () => [-steps(), steps()],
-        hidden: () => brush().mode !== "add",
+      numbers().map(([of, number]) => {
+        const limits = () => number.limits(shown(), QUANTITIES[brush().quantity].step);
+        const now = { limits, value: () => clamp(brush()[number.key], ...limits()), hidden: () => brush().mode !== of };
+        return field(number.label, number.key, { digits: 2, ...number, ...now });
       }),
       field("Radius", "radius"),
       field("Strength", "strength", { hidden: hasNoSize }),
@@ -103,7 +94,7 @@ function valuesFor(sheet, quantity) {
   const [low, high] = sheet?.range(quantity, true) ?? [0, 10];
   const present = sheet?.values(quantity).sort((a, b) => a - b);
   const value = present?.length ? present[present.length >> 1] : (low + high) / 2;
-  return { quantity, target: Math.round(value / step) * step, amount: 2 * step };
+  return { quantity, ...startNumbers(value, step) };
 }
 
 /** Rods are drawn: they have no lengths, and the brush does not erase or remove them. */

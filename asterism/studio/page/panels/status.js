@@ -2,7 +2,7 @@
 
 import { append, button, follow, h, part, show } from "../dom.js";
 import { MEANINGS, activityOf, dotOf } from "../badge.js";
-import { mm, plural, seconds, size, times } from "../format.js";
+import { mm, plural, seconds, size, sizesOf, times } from "../format.js";
 
 export function buildStatus(element, { store, actions }) {
   const badge = () => store.get("badge");
@@ -60,9 +60,8 @@ function under(store) {
   const star = store.get("sheet")?.byKey.get(store.get("hover"));
   const chosen = store.get("selection").size;
   if (!star) return [chosen ? `${plural(chosen, "star")} selected` : ""];
-  const [length, thickness, width] = star.sizes;
   const absent = star.removed ? "removed" : "no star here";
-  const sizes = star.isPrinted ? `${mm(length)} long, ${mm(thickness, 2)} thick, ${mm(width, 2)} wide` : absent;
+  const sizes = star.isPrinted ? sizesOf(star, ({ is }, size) => `${size} ${is}`) : absent;
   const weight = star.weight === 1 ? "" : `, weight ${times(star.weight)}`;
   return [`Star ${star.row} at ${star.at[0].toFixed(1)}, ${star.at[1].toFixed(1)} mm: `, sizes + weight];
 }

@@ -102,12 +102,13 @@ function drawRods(paint) {
   const key = sheet.rods.length && quantity in QUANTITIES && quantity !== "length" && QUANTITIES[quantity].key;
   const domain = key && rampDomain(sheet.values(quantity));
   context.lineCap = context.lineJoin = "round";
-  for (const { points_mm: points, thickness_mm: thickness, width_mm: width } of sheet.rods) {
-    const isEven = [thickness, width].every((values) => values.every((value) => value === values[0]));
+  for (const rod of sheet.rods) {
+    const { points_mm: points, width_mm: width } = rod;
+    const isEven = [rod[key] ?? width, width].every((values) => values.every((value) => value === values[0]));
     for (let from = 0; from < points.length - 1; from += isEven ? points.length : 1) {
       const shown = isEven ? points : points.slice(from, from + 2);
       const mean = (values) => (isEven ? values[0] : (values[from] + values[from + 1]) / 2);
-      const value = key && mean(key === "width_mm" ? width : thickness);
+      const value = key && mean(rod[key]);
       polyline(context, plan, shown, {
         colour: key ? sizeColour((value - domain[0]) / (domain[1] - domain[0])) : colour("ink"),
         width: Math.max(1, mean(width) * plan.scale),

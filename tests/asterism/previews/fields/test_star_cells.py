@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from asterism.homogenize.law.axes import law_coordinates
+from asterism.homogenize.law.plan import law_coordinates
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
@@ -88,8 +88,9 @@ def test_a_star_is_as_thick_as_its_arms_are_on_the_mean_of_their_lengths() -> No
     """One arm was cut to half, another one away."""
     parts = np.tile([1.0, 0.5, 0.0], COUNT)
     centre = PLAN.centres[PLAN.arm_star]
-    thickness = np.tile([[0.2, 0.4], [0.4, 0.8], [9.0, 9.0]], (COUNT, 1))
-    cut = replace(PLAN, arm_tip=centre + parts[:, None] * (PLAN.arm_tip - centre), arm_thickness=thickness)
+    sections = PLAN.arm_sections.copy()
+    sections[..., 0] = np.tile([[0.2, 0.4], [0.4, 0.8], [9.0, 9.0]], (COUNT, 1))
+    cut = replace(PLAN, arm_tip=centre + parts[:, None] * (PLAN.arm_tip - centre), arm_sections=sections)
     sizes = law_coordinates(cut, 3)
     assert sizes[:, 0] == pytest.approx(law_coordinates(PLAN, 3)[:, 0] / 2.0)
     assert sizes[:, 1] == pytest.approx((0.3 + 0.5 * 0.6) / 1.5)

@@ -9,7 +9,8 @@ import pytest
 from scipy.sparse import coo_array
 from scipy.sparse.linalg import spsolve
 
-from asterism.discrete.energies.bending.hinges import Hinges, fold_coefficients, interior_edges
+from asterism.discrete.energies.bending.fabric_bending import interior_edges
+from asterism.discrete.energies.bending.hinges import Hinges, fold_coefficients
 from asterism.discrete.energies.bending.plate import Plate, patches
 from asterism.discrete.energies.membrane import Membrane
 from asterism.discrete.model.state import State

@@ -52,17 +52,18 @@ export class BrushTool extends StrokeTool {
   #paintRods(sheet, at, event) {
     const { quantity, mode, radius } = this.brush;
     const strength = this.strengthOf(event);
+    const { key: size, step } = QUANTITIES[quantity];
     const [low, high] = sheet.range(quantity, this.store.get("inLaw"));
-    const value = mode === "add" ? this.#value(event) : clamp(this.#value(event), low, high);
-    const brush = { size: QUANTITIES[quantity].key, mode, radius, strength, value, low, high };
+    const value = clamp(this.#value(event), ...(MODES[mode].number?.limits([low, high], step) ?? [0, 0]));
+    const brush = { size, mode, radius, strength, value, low, high };
     this.edits.brush(brush, images(at, this.store.get("symmetry")), this.#kept);
   }
 
-  /** Of the mode: the size to set, or what is added to sizes. */
-  #value(event) {
-    const { mode, target, amount } = this.brush;
-    if (mode !== "add") return target;
-    return event.alt ? -amount : amount;
+  /** The mode's own number, 0 if it has none. */
+  #value({ alt: isAlt }) {
+    const { key, alt } = MODES[this.brush.mode].number ?? {};
+    const value = this.brush[key] ?? 0;
+    return isAlt && alt ? alt(value) : value;
   }
 
   #mean(sheet, star, column) {
