@@ -10,11 +10,7 @@ from hypothesis import strategies as st
 from asterism.homogenize.cell.corrugation_waves import CorrugationWaves
 from asterism.homogenize.cell.flat_cell import relax_flat_cell
 from asterism.homogenize.cell.linear_response import flat_membrane_stiffness, tube_membrane_stiffness
-from asterism.homogenize.cell.rolling import (
-    heights_over_mean_surface,
-    roll_cell,
-    unrolled_flat_cell,
-)
+from asterism.homogenize.cell.rolling import heights_over_mean_surface, roll_cell, unrolled_flat_cell
 from asterism.homogenize.cell.sample import solve_cell
 from asterism.homogenize.cell.unit_cell import UnitCell
 from asterism.homogenize.law.anisotropy import isotropic_constants

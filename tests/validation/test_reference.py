@@ -201,13 +201,7 @@ def random_state(data: dict[str, Array]) -> RandomState:
     rod = np.repeat(np.arange(len(ends)), [len(p) - 1 for p in ends])
     arm = rod[own[:, 0]] == rod[own[:, 1]]
     network = RodNetwork(
-        edges,
-        rod,
-        np.zeros(len(edges)),
-        stencils[:, :3],
-        own,
-        np.where(forward, 1.0, -1.0),
-        np.where(arm, 1.0, 0.5),
+        edges, rod, np.zeros(len(edges)), stencils[:, :3], own, np.where(forward, 1.0, -1.0), np.where(arm, 1.0, 0.5)
     )
     sign = np.where(edges[:, 0] < edges[:, 1], 1.0, -1.0)
     angle = (sign * data["X"][3 * n :])[:, None]

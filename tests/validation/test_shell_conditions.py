@@ -91,9 +91,7 @@ def test_buckled_strip(ends: str, modulus: float) -> None:
     if ends == "guided and pinned":
         first = EdgeSupport(left, directions=np.array([[*along, 0.0], [-along[1], along[0], 0.0]]), clamped=True)
     shell = Shell(
-        Argyris(mesh),
-        Fields(Density(material(1.0, 0.02, 0.0))),
-        [first, EdgeSupport(right, pushed, clamped=clamp)],
+        Argyris(mesh), Fields(Density(material(1.0, 0.02, 0.0))), [first, EdgeSupport(right, pushed, clamped=clamp)]
     )
     share = 2.0 if ends == "guided and pinned" else 1.0
     start = _wave(shell, along, length, chord, height, ends)

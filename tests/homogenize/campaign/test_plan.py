@@ -46,11 +46,7 @@ def test_held_out_cells_are_as_long_as_those_the_law_answers_for() -> None:
 
 @pytest.mark.parametrize(
     "data",
-    [
-        {},
-        {"fabric": {"stretch": 1.5}},
-        tomllib.loads(PAPER_MATERIAL.read_text()),
-    ],
+    [{}, {"fabric": {"stretch": 1.5}}, tomllib.loads(PAPER_MATERIAL.read_text())],
     ids=["default", "own stretch", "paper"],
 )
 def test_plain_data_makes_the_same_material(data: dict) -> None:
@@ -228,10 +224,7 @@ def test_plans_without_graded_cells_are_refused(data: dict[str, Any], words: str
 def test_plate_and_hinges_refuse_the_law_of_each_other() -> None:
     hinges = plates(fabric={"bending": "paper"}, mesh={})
     paper, plate = (StarLaw(plan_for_sizes(each, SIZES), load_law().tables, [], {}) for each in (hinges, plates()))
-    for law, other, names in (
-        (paper, plates(), ("consistent", "paper")),
-        (plate, hinges, ("paper", "consistent")),
-    ):
+    for law, other, names in ((paper, plates(), ("consistent", "paper")), (plate, hinges, ("paper", "consistent"))):
         with pytest.raises(ForeignLaw) as refused:
             law.check(other)
         line = str(refused.value)

@@ -9,12 +9,7 @@ import pytest
 
 from asterism.homogenize.campaign.fit_law import sample_quantities
 from asterism.homogenize.cell.corrugation_waves import CorrugationWaves
-from asterism.homogenize.cell.point_group import (
-    ALL_ANGLES_RAD,
-    THREEFOLD_ANGLES_RAD,
-    averaged_directions,
-    tube_angles,
-)
+from asterism.homogenize.cell.point_group import ALL_ANGLES_RAD, THREEFOLD_ANGLES_RAD, averaged_directions, tube_angles
 from asterism.homogenize.cell.sample import solve_cell
 from asterism.homogenize.law.anisotropy import predicted_curvatures
 from asterism.homogenize.law.star_law import QUANTITY_NAMES

@@ -66,15 +66,7 @@ def test_stars_written_as_rods_are_stars() -> None:
     assert curvature == pytest.approx(star_curvature, rel=5e-3)
 
 
-@pytest.mark.parametrize(
-    "pattern",
-    [
-        parallel(),
-        grid(),
-        diamonds(),
-        pytest.param(honeycomb(), marks=pytest.mark.slow),
-    ],
-)
+@pytest.mark.parametrize("pattern", [parallel(), grid(), diamonds(), pytest.param(honeycomb(), marks=pytest.mark.slow)])
 def test_meshes_follow_the_rods(pattern: Pattern) -> None:
     design = motif_design(pattern)
     assert design.rods is not None

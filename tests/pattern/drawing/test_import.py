@@ -56,16 +56,6 @@ def sheet(folder: Path, **entry: Any) -> Layout:
     return layout(Design.from_dict(data, folder))
 
 
-def test_svg_has_its_places_layers_and_widths(tmp_path: Path) -> None:
-    lines = read_drawing(svg(tmp_path), 0.005).lines
-    assert [line.layer for line in lines] == ["rim", "ribs", "ribs"]
-    assert [line.width_mm for line in lines] == pytest.approx([1.6, 1.2, 1.2], rel=1e-5)
-    rim, rib, _ = (line.points for line in lines)
-    assert np.linalg.norm(rim - [50, -40], axis=1) == pytest.approx(30.0, abs=0.01)
-    assert (rim[0] == rim[-1]).all()
-    assert rib == pytest.approx(np.array([[20, -40], [80, -40]]), abs=1e-3)
-
-
 @pytest.mark.parametrize(("units", "scale"), [(4, 1.0), (5, 0.1), (1, 1 / 25.4)])
 def test_dxf_has_the_places_of_the_svg_in_any_unit(tmp_path: Path, units: int, scale: float) -> None:
     lines = read_drawing(dxf(tmp_path, units, scale), 0.005).lines
@@ -100,7 +90,6 @@ REFUSED = [
     ("none.svg", None, {}, "there is no such file"),
     ("leaf.ai", "x", {}, "must end in .svg, .dxf or .3dm"),
     ("leaf.svg", SVG.replace('width="100mm" height="80mm"', ""), {}, "has no size in mm: give it one"),
-    ("leaf.svg", SVG.replace("scale(2)", "scale(2,3)"), {"width": "stroke"}, "with a stroke stretched 1.5 to 1"),
     ("leaf.svg", "<svg", {}, "cannot be read as SVG"),
     ("leaf.svg", SVG.replace("stroke:", "strike:"), {}, "holds no line with a stroke"),
     ("leaf.svg", SVG, {"layers": {"ribz": {}}}, "layers.ribz: no such layer; the drawing has ribs, rim"),

@@ -88,17 +88,11 @@ def test_holes_of_a_drawing(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("holes", "message"),
     [
-        (
-            [{"circle_mm": {"centre": (29, 0), "radius": 5}}],
-            r"holes\[0\]: must be inside the outline, and .* \[30",
-        ),
+        ([{"circle_mm": {"centre": (29, 0), "radius": 5}}], r"holes\[0\]: must be inside the outline, and .* \[30"),
         ([{"circle_mm": {"centre": (24.8, 10), "radius": 5}}], r"holes\[0\]: must leave 0.5 mm .* leaves 0.2\d* mm at"),
         ([ROUND, {"circle_mm": {"centre": (4, 10), "radius": 5}}], r"holes\[1\]: must be apart from border.holes\[0\]"),
         ([ROUND, {"circle_mm": {"centre": (0, 21.2), "radius": 5}}], r"holes\[1\]: must leave 0.5 mm"),
-        (
-            [{"polygon_mm": [(0, 0), (9, 9), (9, 0), (0, 9)]}],
-            r"holes\[0\]: must not cross .* itself, as at \[4.5",
-        ),
+        ([{"polygon_mm": [(0, 0), (9, 9), (9, 0), (0, 9)]}], r"holes\[0\]: must not cross .* itself, as at \[4.5"),
         ([{"circle_mm": {"radius": 0.5}}], r"holes\[0\] = 0.78\d*: must enclose at least 1 mm2"),
         (
             [{"circle_mm": {"radius": [30, 1]}}],

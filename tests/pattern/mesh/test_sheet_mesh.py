@@ -7,22 +7,21 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from asterism.pattern.geometry.planar import (
-    cross_2d,
-    polygon_area,
-    triangle_angles,
-    triangle_areas,
-)
+from asterism.pattern.geometry.planar import cross_2d, polygon_area, triangle_angles, triangle_areas
 from asterism.pattern.mesh.sheet_mesh import coarse_outline, sheet_mesh
 from tests.pattern.layouts import unit
 
 HEXAGON = 67.0 * unit(30.0 + 60.0 * np.arange(6))
 RECTANGLE = np.array([[-69.0, -89.0], [69.0, -89.0], [69.0, 89.0], [-69.0, 89.0]])
+PLATE = np.array([[-60.0, -40.0], [60.0, -40.0], [60.0, 40.0], [-60.0, 40.0]])
 L_SHAPE = np.array([[0, 0], [120, 0], [120, 40], [40, 40], [40, 120], [0, 120.0]])
 
 
 def circle(count: int, radius: float = 60.0, centre: tuple[float, float] = (0.0, 0.0)) -> np.ndarray:
     return np.asarray(centre) + radius * unit(360.0 * np.arange(count) / count)
+
+
+HOLE = circle(60, 12.0)
 
 
 @pytest.mark.parametrize("parts", [1, 2, 4])
@@ -50,12 +49,20 @@ def test_a_circle_of_many_sides_gets_few() -> None:
     assert np.abs(radius - 60.0).max() < 0.06 * 20.0
 
 
-def test_held_points_are_points_of_the_mesh() -> None:
-    inner, on_side, corner = [-66.0, 0.0], [10.0, -89.0], [69.0, 89.0]
-    held = np.array([inner, on_side, corner, [-66.0, -86.0]])
-    mesh = sheet_mesh(RECTANGLE, 25.0, held)
-    assert np.linalg.norm(held[:, None] - mesh.points[None], axis=2).min(axis=1) == pytest.approx(0.0, abs=1e-12)
-    assert triangle_areas(mesh.points, mesh.triangles).sum() == pytest.approx(polygon_area(RECTANGLE))
+@pytest.mark.parametrize(
+    ("border", "edge", "held", "holes"),
+    [
+        (RECTANGLE, 25.0, [[-66.0, 0.0], [10.0, -89.0], [69.0, 89.0], [-66.0, -86.0]], []),
+        (PLATE, 14.0, [HOLE[7], 0.5 * (HOLE[20] + HOLE[21]), [-40.0, 10.0]], [HOLE]),
+    ],
+    ids=["inside, on a side and at a corner", "on the edge of a hole"],
+)
+def test_held_points_are_points_of_the_mesh(border: np.ndarray, edge: float, held: list, holes: list) -> None:
+    mesh = sheet_mesh(border, edge, np.array(held), holes=holes)
+    away = np.linalg.norm(np.array(held)[:, None] - mesh.points[None], axis=2).min(axis=1)
+    assert away == pytest.approx(0.0, abs=1e-12)
+    area = polygon_area(border) - sum(polygon_area(hole) for hole in holes)
+    assert triangle_areas(mesh.points, mesh.triangles).sum() == pytest.approx(area)
 
 
 def test_what_is_held_ends_at_a_point_of_the_mesh() -> None:
@@ -82,9 +89,6 @@ def test_any_wavy_outline(seed: int, edge: float) -> None:
     assert triangle_areas(mesh.points, mesh.triangles).sum() == pytest.approx(polygon_area(border), rel=1e-9)
 
 
-PLATE = np.array([[-60.0, -40.0], [60.0, -40.0], [60.0, 40.0], [-60.0, 40.0]])
-
-
 @settings(max_examples=20)
 @given(st.integers(3, 40), st.floats(1.0, 25.0), st.floats(-1.0, 1.0), st.floats(-1.0, 1.0), st.booleans())
 def test_holes_are_left_out_and_angles_stay_large(n: int, radius: float, x: float, y: float, turned: bool) -> None:
@@ -109,11 +113,3 @@ def test_the_rim_has_the_sheet_to_its_left_and_names_its_edges() -> None:
     assert {*map(tuple, mesh.rim.tolist())} <= {*map(tuple, corners.tolist())}
     a, b, c = (mesh.points[mesh.triangles[:, k]] for k in range(3))
     assert (cross_2d(b - a, c - a) > 0.0).all()
-
-
-def test_points_on_the_edge_of_a_hole_are_held() -> None:
-    hole = circle(60, 12.0)
-    held = np.array([hole[7], 0.5 * (hole[20] + hole[21]), [-40.0, 10.0]])
-    mesh = sheet_mesh(PLATE, 14.0, held, holes=[hole])
-    away = np.linalg.norm(mesh.points[:, None] - held, axis=2).min(axis=0)
-    assert away == pytest.approx(0.0, abs=1e-9)

@@ -35,8 +35,7 @@ def test_a_circle_is_one_closed_rod_without_a_joint() -> None:
 
 def test_arc_and_spline_pass_where_they_are_told() -> None:
     plan = sheet(
-        {"arc_mm": {"radius": 10, "from_deg": 90, "to_deg": 0}},
-        {"spline_mm": [[-20, -20], [0, -15], [20, -20]]},
+        {"arc_mm": {"radius": 10, "from_deg": 90, "to_deg": 0}}, {"spline_mm": [[-20, -20], [0, -15], [20, -20]]}
     )
     arc, spline = plan.graph.rods
     assert arc.points[0] == pytest.approx([0, 10]) and arc.points[-1] == pytest.approx([10, 0], abs=1e-9)
@@ -76,10 +75,8 @@ def test_rim_is_the_outline_and_ribs_end_on_it() -> None:
     assert triangle_areas(mesh.points, mesh.triangles).sum() == pytest.approx(625 * np.pi, rel=0.02)
 
 
-def test_lines_are_cut_at_the_margin_or_refused() -> None:
+def test_lines_that_leave_the_sheet_may_be_refused() -> None:
     long = {"name": "rib", "line_mm": [[-40, 5], [40, 5]]}
-    (rod,) = sheet(long).graph.rods
-    assert np.sort(rod.points[[0, -1], 0]) == pytest.approx([-29.5, 29.5])
     with pytest.raises(
         DesignError, match=r"rib leaves the sheet at \[-?40.00, 5.00\]; overhang = \"cut\" cuts it there"
     ):
@@ -101,10 +98,8 @@ REFUSED = [
     ([{"line_mm": [[-20, 0], [20, 0]]}, {"line_mm": [[-20, 0.8], [20, 0.8]]}], "are 0.80 mm apart"),
     ([{"line_mm": [[-20, 0], [20, 0]]}, {"line_mm": [[-20, 0], [20, 6]]}], "meet at 9 deg"),
     ([{"line_mm": [[0, 0], [0.8, 0]]}], "has a piece of 0.80 mm"),
-    (
-        [{"line_mm": [[0, 0], [9, 0]], "thickness_mm": 7.0}],
-        "rods.draw[0].thickness_mm = 7.0: must be from 0.05 to 5 along draw",
-    ),
+    ([{"line_mm": [[0, 0], [9, 0]], "thickness_mm": 7}], "thickness_mm = 7.0: must be from 0.05 to 5 along draw"),
+    ([{"line_mm": [[0, 0], [0.08, 0], [0.08, 0.06]], "closed": True}], "shorter than 0.6 mm: is the drawing in mm?"),
     ([RIB, {"line_mm": [[0, 3], [9, 3]], "width_mm": -1.0}], "rods.draw[1].width_mm = -1.0: must be from 0.1 to 10"),
     ([RIB, RIB], "two lines named rib lie on each other"),
     ([{"line_mm": [[0, 0], [9, 0], [9, 0]]}], "has a point twice"),
@@ -173,65 +168,47 @@ def test_tips_on_the_centre_of_a_neighbour_are_bonded_to_its_arms() -> None:
     assert len(graph.ends_at[0]) == 6 and 0 in graph.joints and 0 not in graph.paired
 
 
-def line(*points: tuple[float, float]) -> Floats:
-    return np.array(points, dtype=float)
+def cut(*lines: Any) -> tuple[Floats, list[Piece]]:
+    places = [np.array(line, dtype=float) for line in lines]
+    return cut_lines(places, 0.1, 0.5, [f"line{k}" for k in range(len(lines))])
 
 
-def cut(*lines: Floats, join: float = 0.1, merge: float = 0.5) -> tuple[Floats, list[Piece]]:
-    return cut_lines(list(lines), join, merge, [f"line{k}" for k in range(len(lines))])
+def arc(turn: float) -> Floats:
+    angle = np.linspace(0.0, turn, 121)
+    return 10.0 * np.column_stack([np.cos(angle), np.sin(angle)])
 
 
-def degrees(pieces: list[Piece], count: int) -> list[int]:
-    return sorted(np.bincount([end for p in pieces for end in (p.start, p.end)], minlength=count).tolist())
+BASE, LOOP = [(-5, 0), (5, 0)], [(0, 0), (10, 0), (10, 5), (5, 5), (5, -5)]
+RING = np.concatenate([arc(2.0 * np.pi)[:-1], [(10.0, 0.0)]])
 
 
-def test_crossing_lines_share_a_node_at_the_crossing() -> None:
-    nodes, pieces = cut(line((-5, 0), (5, 0)), line((1, -5), (1, 5)))
-    assert degrees(pieces, len(nodes)) == [1, 1, 1, 1, 4]
-    assert np.abs(nodes - [1.0, 0.0]).sum(axis=1).min() < 1e-12
+@pytest.mark.parametrize(
+    ("lines", "ends"),
+    [
+        ([BASE, [(1, -5), (1, 5)]], [1, 1, 1, 1, 4]),
+        ([BASE, [(1, 0.08), (1, 5)]], [1, 1, 1, 3]),  # an end beside a line is joined to it
+        ([BASE, [(1, 0.2), (1, 5)]], [1, 1, 1, 1]),  # and one further away is not
+        ([BASE, [(1, -0.3), (1, 5)]], [1, 1, 1, 3]),  # one that overshoots leaves no stub
+        ([BASE, [(0, -5), (0, 5)], [(-5, -4.8), (5, 5.2)]], [1] * 6 + [6]),  # nearly in one point
+        ([[(0, 0), (5, 0), (5, 5)]], [1, 1, 2]),  # a corner is a node
+        ([arc(np.pi)], [1, 1]),  # and a curve has none
+        ([RING], [2]),  # one seam
+        ([RING, [(-20, 3), (20, 3)]], [1, 1, 2, 4, 4]),  # which stays a node
+        ([LOOP], [1, 1, 2, 2, 2, 4]),  # a line that crosses itself
+    ],
+)
+def test_lines_are_cut_where_they_meet(lines: list[Any], ends: list[int]) -> None:
+    nodes, pieces = cut(*lines)
+    found = np.bincount([end for piece in pieces for end in (piece.start, piece.end)], minlength=len(nodes))
+    assert sorted(found.tolist()) == ends
 
 
-def test_an_end_beside_a_line_is_joined_to_it_and_not_one_further_away() -> None:
-    base = line((-5, 0), (5, 0))
-    assert degrees(cut(base, line((1, 0.08), (1, 5)))[1], 4) == [1, 1, 1, 3]
-    assert degrees(cut(base, line((1, 0.2), (1, 5)))[1], 4) == [1, 1, 1, 1]
-
-
-def test_an_end_that_overshoots_leaves_no_stub() -> None:
-    nodes, pieces = cut(line((-5, 0), (5, 0)), line((1, -0.3), (1, 5)))
-    assert len(pieces) == 3 and degrees(pieces, len(nodes)) == [1, 1, 1, 3]
-
-
-def test_three_lines_through_nearly_one_point_have_one_node() -> None:
-    nodes, pieces = cut(line((-5, 0), (5, 0)), line((0, -5), (0, 5)), line((-5, -4.8), (5, 5.2)))
-    assert degrees(pieces, len(nodes)) == [1] * 6 + [6]
-
-
-def test_corner_is_a_node_and_a_curve_has_none() -> None:
-    assert len(cut(line((0, 0), (5, 0), (5, 5)))[1]) == 2
-    angle = np.linspace(0.0, np.pi, 60)
-    assert len(cut(10.0 * np.column_stack([np.cos(angle), np.sin(angle)]))[1]) == 1
-
-
-def test_a_ring_has_one_seam_and_a_crossed_ring_is_cut_at_the_crossings() -> None:
-    angle = np.linspace(0.0, 2 * np.pi, 121)
-    ring = 10.0 * np.column_stack([np.cos(angle), np.sin(angle)])
-    ring[-1] = ring[0]
-    nodes, pieces = cut(ring)
-    assert len(nodes) == len(pieces) == 1 and pieces[0].start == pieces[0].end
-    nodes, pieces = cut(ring, line((-20, 3), (20, 3)))
-    assert degrees(pieces, len(nodes)) == [1, 1, 2, 4, 4]  # the seam stays a node
-
-
-def test_a_line_that_crosses_itself() -> None:
-    nodes, pieces = cut(line((0, 0), (10, 0), (10, 5), (5, 5), (5, -5)))
-    assert sorted(degrees(pieces, len(nodes))) == [1, 1, 2, 2, 2, 4]
+def test_pieces_end_at_the_crossing_and_nothing_is_lost() -> None:
+    nodes, pieces = cut(LOOP)
+    assert np.abs(nodes - [5.0, 0.0]).sum(axis=1).min() < 1e-12
     assert sum(np.linalg.norm(np.diff(p.points, axis=0), axis=1).sum() for p in pieces) == pytest.approx(30.0)
-
-
-def test_lines_on_each_other_are_refused_by_name_and_place() -> None:
     with pytest.raises(DesignError, match=r"line0 and line1 lie on each other at \[.*\]: draw the line once"):
-        cut(line((0, 0), (10, 0)), line((2, 0), (7, 0)))
+        cut([(0, 0), (10, 0)], [(2, 0), (7, 0)])
 
 
 @pytest.mark.slow

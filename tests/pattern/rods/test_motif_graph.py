@@ -24,6 +24,10 @@ def honeycomb(x: float = 0.0, y: float = 0.0) -> MotifGraph:
     return motif_graph(Rods.model_validate({"motif": lines}), HONEYCOMB)
 
 
+def on_squares(*lines: dict[str, object]) -> MotifGraph:
+    return motif_graph(Rods.model_validate({"motif": lines}), Lattice(kind="square", spacing_mm=10.0))
+
+
 @pytest.mark.slow
 @settings(max_examples=6, deadline=None, derandomize=True)
 @given(x=st.floats(-50.0, 50.0), y=st.floats(-50.0, 50.0))
@@ -57,21 +61,18 @@ def test_ends_in_rounded_numbers_meet_as_they_do_on_the_sheet() -> None:
     ],
 )
 def test_lines_of_all_kinds(line: dict[str, object], ends: list[int], image: list[list[int]]) -> None:
-    graph = motif_graph(Rods.model_validate({"motif": [line]}), Lattice(kind="square", spacing_mm=10.0))
+    graph = on_squares(line)
     assert graph.ends_at.tolist() == ends and graph.end_image.tolist() == image
 
 
 def test_lines_that_cross_copies_of_each_other_are_cut_there() -> None:
-    lines = [{"line_mm": [(-4, 1), (6, 1)]}, {"line_mm": [(11, -5), (11, 5)]}]
-    graph = motif_graph(Rods.model_validate({"motif": lines}), Lattice(kind="square", spacing_mm=10.0))
+    graph = on_squares({"line_mm": [(-4, 1), (6, 1)]}, {"line_mm": [(11, -5), (11, 5)]})
     assert sum(rod.length for rod in graph.rods) == pytest.approx(20.0)
     assert sorted(graph.ends_at.tolist()) == [2, 2, 4]
 
 
 def test_a_motif_that_lies_on_its_copies_is_refused() -> None:
-    lines = [{"name": "long", "line_mm": [(0, 0), (13, 0)]}]
     with pytest.raises(DesignError, match="two lines named long lie on each other"):
-        motif_graph(Rods.model_validate({"motif": lines}), Lattice(kind="square", spacing_mm=10.0))
-    lines = [{"line_mm": [(0, 0), (700, 31)]}]
+        on_squares({"name": "long", "line_mm": [(0, 0), (13, 0)]})
     with pytest.raises(DesignError, match=r"^rods\.motif: is too long for its lattice"):
-        motif_graph(Rods.model_validate({"motif": lines}), Lattice(kind="square", spacing_mm=10.0))
+        on_squares({"line_mm": [(0, 0), (700, 31)]})

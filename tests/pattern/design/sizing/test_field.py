@@ -94,8 +94,7 @@ def test_photographs_are_read_as_they_are_shown(orientation, bits, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("values", "problem"),
-    [(np.float32([[0.0, 0.5]]), "in place of grey"), (np.int32([[0, 255]]), "has 32 bits")],
+    ("values", "problem"), [(np.float32([[0.0, 0.5]]), "in place of grey"), (np.int32([[0, 255]]), "has 32 bits")]
 )
 def test_pictures_of_numbers_are_refused(values, problem, tmp_path):
     Image.fromarray(values).save(tmp_path / "map.tiff")
