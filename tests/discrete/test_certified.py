@@ -12,10 +12,8 @@ from asterism.discrete.model.state import State
 from asterism.discrete.release import continuation
 from asterism.discrete.release.continuation import force_scale, solve_on_mesh
 from asterism.discrete.release.release_start import ReleaseStart
-from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError, MeshError
-from asterism.pattern.layout.build import layout
-from asterism.pattern.mesh.meshing import mesh_layout
+from tests.discrete.models import model_of
 
 PINS: list[list[dict]] = [
     [],
@@ -50,20 +48,17 @@ def dense(m: DiscreteModel, state: State) -> np.ndarray:
     iterations=st.sampled_from([5, 20, 300]),
 )
 def test_random_designs(rings, length, thickness, stretch, arms, curl, pins, bend, bumps, releases, iterations):
-    design = Design.from_dict(
-        {
-            "fabric": {"stretch": stretch},
-            "plastic": {"rest_curvature": curl},
-            "lattice": {"arms": arms},
-            "stars": {"length_mm": length, "thickness_mm": thickness},
-            "border": {"rings": rings},
-            "pins": pins,
-            "mesh": {"edge_mm": 6.0},
-        }
-    )
+    design = {
+        "fabric": {"stretch": stretch},
+        "plastic": {"rest_curvature": curl},
+        "lattice": {"arms": arms},
+        "stars": {"length_mm": length, "thickness_mm": thickness},
+        "border": {"rings": rings},
+        "pins": pins,
+        "mesh": {"edge_mm": 6.0},
+    }
     try:
-        plan = layout(design)
-        m = DiscreteModel(design, plan, mesh_layout(plan, 6.0))
+        m = model_of(design)
     except (DesignError, MeshError):
         return
     start = ReleaseStart(bumps=bumps, bend=bend, axis_deg=35.0, sag_mm=8.0, releases=releases)

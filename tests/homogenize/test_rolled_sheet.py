@@ -130,3 +130,12 @@ def test_the_nearest_isotropic_tensor() -> None:
     # they do not depend on the axes; strains turn as forms do
     turn = turned(0.4)
     assert isotropic_constants(turn.T @ stiffer @ turn) == pytest.approx(isotropic_constants(stiffer))
+
+
+def test_amplitudes_are_of_heights_over_their_mean_and_weights_count_as_often_as_they_say() -> None:
+    waves, rng = CorrugationWaves.of(Lattice()), np.random.default_rng(3)
+    offsets, heights, times = rng.uniform(-9.0, 9.0, (90, 2)), rng.normal(size=90), rng.integers(1, 5, 90)
+    found = waves.amplitudes(offsets, heights, times.astype(float))
+    assert np.allclose(waves.amplitudes(offsets, heights + 7.0, times.astype(float)), found)
+    several = waves.amplitudes(np.repeat(offsets, times, axis=0), np.repeat(heights, times), np.ones(times.sum()))
+    assert np.allclose(several, found)

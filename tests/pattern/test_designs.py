@@ -279,10 +279,11 @@ good_fields = st.one_of(
     st.builds(lambda a: {"formula": f"3 + {a!r}*cos(theta)"}, number(-2, 2)),
     st.just({"profile": "table", "distance_mm": [0, 9], "values": [2, 3.5], "smooth": True}),
 )
+KNIT = {"modulus_mpa": [9.0, 4.0], "shear_modulus_mpa": 1.5, "grain_deg": 30.0, "bending_stiffness_n_mm": [0.4, 0.3]}
 good_designs = st.fixed_dictionaries(
     {
         "name": st.text(st.characters(exclude_categories=["C", "Z"]), min_size=1, max_size=9),
-        "fabric": st.fixed_dictionaries({"stretch": number(1, 3) | st.tuples(number(1, 3), number(1, 3))}),
+        "fabric": st.just(KNIT) | st.fixed_dictionaries({"stretch": number(1, 3) | st.tuples(*2 * [number(1, 3)])}),
         "lattice": st.fixed_dictionaries({"arms": st.integers(3, 8), "orientation_deg": number(-360, 360)}),
         "stars": st.fixed_dictionaries(
             {"length_mm": good_fields, "override": st.just([]) | st.just([{"star": 3, "thickness_mm": 1}])}

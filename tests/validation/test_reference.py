@@ -34,6 +34,7 @@ from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.mesh import Mesh
 from tests.discrete.plain import plain_energies, plain_gradients, plain_hessians
 from tests.discrete.test_fabric import counterclockwise
+from tests.distances import rms_distance
 
 FOLDER = Path(__file__).parent.parent / "data" / "reference"
 SPACING = 10.0 * np.sqrt(3.0)
@@ -268,12 +269,8 @@ def test_rods(name):
 
 
 def distance(one: Array, other: Array) -> float:
-    """rms distance after rigid alignment (Kabsch), over the diameter."""
-    a, b = one - one.mean(axis=0), other - other.mean(axis=0)
-    u, _, v = np.linalg.svd(a.T @ b)
-    turn = u @ np.diag([1.0, 1.0, np.sign(np.linalg.det(u @ v))]) @ v
-    diameter = np.linalg.norm(np.ptp(b, axis=0))
-    return float(np.sqrt(((a @ turn - b) ** 2).sum(axis=1).mean()) / diameter)
+    """rms distance after rigid alignment, over the diameter."""
+    return rms_distance(one, other) / float(np.linalg.norm(np.ptp(other, axis=0)))
 
 
 @EQUILIBRIA

@@ -11,8 +11,9 @@ from asterism.fem.shell.density import Density, isotropic
 from asterism.fem.shell.fields import Fields, of_stretch
 from asterism.fem.shell.shell import Shell
 from asterism.fem.supports.conditions import EdgeSupport, PointSupport, vertices_at
+from tests.fem.maps import by_differences
 from tests.fem.meshes import facets_where, rectangle, turned
-from tests.validation.shells import at, guess, material, stepped
+from tests.validation.shells import at, material, stepped
 
 
 @pytest.mark.parametrize("held", ["free", "sliding edges", "sliding corner points", "border held at the rest length"])
@@ -114,7 +115,7 @@ def _wave(shell: Shell, along: np.ndarray, length: float, chord: float, height: 
     def place(p: np.ndarray) -> np.ndarray:
         return np.column_stack([p - (1.0 - chord) * np.outer(p @ along, along), rise(p)])
 
-    return shell.constrain(guess(shell.space, place, 1e-3 * length))
+    return shell.constrain(shell.space.interpolate(by_differences(place, 1e-3 * length).jets))
 
 
 def test_heavy_cantilever() -> None:

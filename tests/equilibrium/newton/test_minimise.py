@@ -206,26 +206,23 @@ def test_drift_that_costs_nothing(held):
     assert found.iterations < 12
 
 
-def test_noise_of_a_large_energy_does_not_stop_the_last_steps():
-    """Near its minimum the energy is -1e8 and all digits of a step's gain are lost; the gradient still decides."""
+@pytest.mark.parametrize(
+    ("scale", "rest", "start", "tolerance"),
+    [
+        (1.0, -1e8 - 3.0, [1e-3, -2e-3, 0.7], 1e-12),  # a large energy
+        (100.0, -300.0, [1.0, -2.0, 0.7], 1e-9),  # zero, of terms that cancel, whose rounding stays
+        (100.0, -300.0, [1e-8, -2e-8, 3e-8], 1e-9),
+    ],
+)
+def test_noise_of_the_energy_does_not_stop_the_last_steps(scale, rest, start, tolerance):
+    """Near the minimum all digits of a step's gain are lost; the gradient still decides."""
     problem = Analytic(
-        lambda x: -1e8 + (np.cosh(x) - 1.0).sum(), lambda x: np.sinh(x), lambda x: np.diag(np.cosh(x)), 3
-    )
-    found = run(problem, [1e-3, -2e-3, 0.7], tolerance=1e-12)
-    assert found.converged and found.iterations < 12
-
-
-def test_noise_of_terms_that_cancel_does_not_stop_the_last_steps():
-    """The same where the energy itself is zero: its terms cancel, and their rounding stays."""
-    problem = Analytic(
-        lambda x: (100.0 * np.cosh(x)).sum() - 300.0,
-        lambda x: 100.0 * np.sinh(x),
-        lambda x: 100.0 * np.diag(np.cosh(x)),
+        lambda x: rest + scale * np.cosh(x).sum(),
+        lambda x: scale * np.sinh(x),
+        lambda x: scale * np.diag(np.cosh(x)),
         3,
     )
-    found = run(problem, [1.0, -2.0, 0.7], tolerance=1e-9)
-    assert found.converged and found.iterations < 12
-    found = run(problem, [1e-8, -2e-8, 3e-8], tolerance=1e-9)
+    found = run(problem, start, tolerance=tolerance)
     assert found.converged and found.iterations < 12
 
 

@@ -117,10 +117,25 @@ def test_curvature_is_that_of_the_contracted_sheet() -> None:
     np.testing.assert_allclose(rest, np.broadcast_to([0.32, 0.32, 0.0, 0.0128, 0.0128, 0.0], (2, 3, 6)))
 
 
-@pytest.mark.parametrize("metric", [(-1.0, -1.0, 0.0), (1.0, 1.0, 1.0), (0.0, 0.0, 0.0), (1.0, 1.0, -1.1)])
-def test_metrics_that_are_not_positive_definite_are_refused(metric: tuple[float, float, float]) -> None:
-    with pytest.raises(FieldError, match="is not positive definite"):
-        Fields(PLATE, metric).rest(POINTS)
+@pytest.mark.parametrize(
+    ("fields", "words"),
+    [
+        (of_stretch(PLATE, -0.8), "rest metric at .* is not positive definite"),
+        (Fields(PLATE, (-1.0, 1.0, 0.0)), r"rest metric at \(.*\) mm: \(-1, 1, 0\) is not positive definite"),
+        *((Fields(PLATE, metric), "is not positive definite")
+          for metric in ((-1.0, -1.0, 0.0), (1.0, 1.0, 1.0), (0.0, 0.0, 0.0), (1.0, 1.0, -1.1))),
+        (Fields(PLATE, curvature=(np.nan, 0.0, 0.0)), "rest curvature at .* is not finite"),
+        (Fields(PLATE, gaussian=np.nan), r"modulus of Gaussian curvature at .* mm: \(nan\) is not finite"),
+        (Fields(Density(np.full((6, 6), np.nan))), r"stiffness at .* \(nan\) is not finite"),
+        (Fields(Density(PLATE.stiffness + 0.1 * np.eye(6, k=1))), "stiffness at .* is not symmetric"),
+        (Fields(Density(PLATE.stiffness, sixfold=np.nan)), "sixfold at .* is not finite"),
+        (Fields(Density(PLATE.stiffness, sixfold=1.0, saturation=0.0)), "saturation at .* is not positive"),
+    ],
+)  # fmt: skip
+def test_impossible_fields_are_refused_with_place_and_value(fields: Fields, words: str) -> None:
+    with pytest.raises(FieldError, match=words) as caught:
+        Shell(Argyris(hexagon(0)), fields)
+    assert "\n" not in str(caught.value) and len(str(caught.value)) < 120
 
 
 @pytest.mark.parametrize("exponents", [(1.0, 1.0), (1.6, 0.58)])

@@ -3,6 +3,9 @@ other pieces of the lattice, and supercells."""
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
@@ -13,8 +16,10 @@ from asterism.equilibrium.arrays import Array
 from asterism.homogenize.cell.flat_cell import with_orthogonal_directors
 from asterism.homogenize.cell.rolling import roll_cell, rolled_state, unroll, unrolled_flat_cell
 from asterism.homogenize.cell.unit_cell import UnitCell
+from asterism.pattern.design.design import Design
 from tests.discrete.plain import plain_energies
 from tests.homogenize.cells import EDGE, TURN, cell_of, design, relaxed, relaxed_cell, shaken, state_away
+from tests.homogenize.motifs import grid, motif_design
 from tests.homogenize.stability import cell_stability, reduction_matrix, unfolded_hessian
 
 TUBES = pytest.mark.parametrize("tube", [False, True], ids=["flat", "tube"])
@@ -184,17 +189,34 @@ def test_moment_is_the_slope_of_the_energy(name: str) -> None:
     np.testing.assert_allclose(again.frames, here.state.frames, atol=1e-6)
 
 
-def test_cells_that_cannot_be_are_refused():
-    with pytest.raises(ValueError, match=r"arms of the stars at .* overlap"):
-        UnitCell(design(12.0, lattice={"arms": 4}), EDGE)
-    with pytest.raises(ValueError, match="length_mm must be a number"):
-        UnitCell(design(stars={"length_mm": {"formula": "4 + 0.1*r"}}), EDGE)
-    with pytest.raises(ValueError, match="weight"):
-        UnitCell(design(gravity={"on": True}, fabric={"modulus_mpa": 7.0}), EDGE)
-    for change in ({"remove": True}, {"length_mm": 2.0}, {"thickness_mm": 0.3}, {"width_mm": 1.0}):
-        override = [{"star": 3, "branch": "down"}, {"star": 1, **change}]
-        with pytest.raises(ValueError, match=r"^stars.override\[1\] must not change a star"):
-            UnitCell(design(stars={"length_mm": 10.0, "override": override}), EDGE)
+LINES = grid()[0]
+WEIGHT = {"gravity": {"on": True}, "fabric": {"modulus_mpa": 7.0}}
+
+
+@pytest.mark.parametrize(
+    ("star", "message"),
+    [
+        (lambda: design(12.0, lattice={"arms": 4}), r"arms of the stars at .* overlap"),
+        (lambda: design(stars={"length_mm": {"formula": "4 + 0.1*r"}}), "length_mm must be a number"),
+        (lambda: design(**WEIGHT), "weight"),
+        *((lambda change=change: overridden(change), r"^stars.override\[1\] must not change a star")
+          for change in ({"remove": True}, {"length_mm": 2.0}, {"thickness_mm": 0.3}, {"width_mm": 1.0})),
+        (lambda: motif_design(grid(), rods={"draw": LINES}), r"^rods\.motif: is missing"),
+        (lambda: motif_design(grid(), rods={"motif": LINES, "draw": LINES}), r"^rods: must have a motif alone"),
+        (lambda: motif_design(grid(), stars={"length_mm": 3.0}), r"^rods: must stand alone in a unit cell"),
+        (lambda: motif_design(grid(), {"formula": "0.3 + 0.001*r"}), r"^rods\.thickness_mm: must be a number"),
+        (lambda: motif_design(grid(), **WEIGHT), "weight"),
+    ],
+)  # fmt: skip
+def test_cells_that_cannot_be_are_refused(star: Callable[[], Design], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        UnitCell(star(), EDGE)
+
+
+def overridden(change: dict[str, Any]) -> Design:
+    """The first of both changes is none of a size."""
+    override = [{"star": 3, "branch": "down"}, {"star": 1, **change}]
+    return design(stars={"length_mm": 10.0, "override": override})
 
 
 def test_cells_of_uneven_stretch_are_released_from_the_beginning():

@@ -140,15 +140,10 @@ def test_offsets():
 
 
 @pytest.mark.slow
-def test_a_bistable_star_is_followed_up():
-    found = sample(10.0, 0.2)
-    assert found.bump_mm > 1.0
-    assert (found.natural_bump_mm > 1.0).all()
-
-
-@pytest.mark.slow
-def test_hardly_buckled_stars_find_the_up_branch_at_finite_curvature():
-    found = sample(13.0, 0.3)
+@pytest.mark.parametrize(("length", "thickness"), [(10.0, 0.2), (13.0, 0.3)], ids=["bistable", "hardly buckled"])
+def test_tubes_find_the_up_branch_at_finite_curvature(length, thickness):
+    found = sample(length, thickness)
+    assert found.bump_mm > 1.0 or length > 10.0
     assert (found.natural_bump_mm > 1.0).all()
 
 

@@ -67,16 +67,6 @@ def test_polygon_either_way_round():
     assert {tuple(c) for c in one.outline} == {tuple(c) for c in two.outline}
 
 
-def test_cut_keeps_the_margin():
-    sheet = lay(border={"rectangle_mm": [110, 110], "tip_margin_mm": 0.7}, stars={"length_mm": 14})
-    cut = sheet.arm_length < 14 - 1e-9
-    assert cut.any()
-    np.testing.assert_allclose(np.abs(sheet.arm_tip[cut]).max(axis=1), 55 - 0.7)
-    # along the arm as it was: at 30, 150 or 270 deg
-    way = sheet.arm_tip - sheet.centres[sheet.arm_star]
-    np.testing.assert_allclose(np.degrees(np.arctan2(way[:, 1], way[:, 0])) % 120, 30)
-
-
 def test_arm_stops_where_it_first_leaves_the_sheet():
     notch = [[-40, -40], [40, -40], [40, 40], [-40, 40], [-40, 20], [10, 14], [-40, 8]]
     sheet = lay(border={"polygon_mm": notch, "star_margin_mm": 1}, stars={"length_mm": 16, "width_mm": 0.2})
@@ -115,16 +105,6 @@ def test_a_star_on_the_axis_is_first_of_its_ring_whatever_its_rounding():
     lattice = {"kind": "square", "spacing_mm": 17.3, "arms": 4, "origin_mm": [0, 51.9]}
     sheet = lay(lattice=lattice, stars={"length_mm": 6}, border={"rectangle_mm": [80, 80]})
     np.testing.assert_allclose(sheet.centres[1], [17.3, 0.0], atol=1e-9)
-
-
-def test_sizes_along_arms():
-    radial = {"profile": "radial", "from": 0.6, "to": 0.2, "over_mm": 80}
-    flat = lay(stars={"thickness_mm": radial})
-    np.testing.assert_allclose(flat.arm_thickness[:, 0], flat.arm_thickness[:, 1])
-    along = lay(stars={"thickness_mm": radial, "vary_along_arms": True})
-    expected = 0.6 - 0.4 * np.linalg.norm(along.arm_tip, axis=1) / 80
-    np.testing.assert_allclose(along.arm_thickness[:, 1], expected)
-    np.testing.assert_allclose(along.arm_thickness[:, 0], flat.arm_thickness[:, 0])
 
 
 def test_sizes_along_arms_of_a_star_changed_by_hand():

@@ -145,13 +145,6 @@ def test_count_of_drawings(data: dict[str, Any], expected: tuple[int, int]) -> N
     np.testing.assert_allclose(found[0].turn, np.eye(2), atol=1e-12)
 
 
-def test_sample_points_are_neighbours_on_the_sheet() -> None:
-    plan = layout(Design.from_dict(NET))
-    assert len(plan.sample_points) == 25 and len(plan.sample_pairs) == 40
-    steps = plan.sample_points[plan.sample_pairs[:, 1]] - plan.sample_points[plan.sample_pairs[:, 0]]
-    np.testing.assert_allclose(np.linalg.norm(steps, axis=1), 10.0)
-
-
 def test_each_symmetry_maps_every_rod_onto_a_rod() -> None:
     design = Design.from_dict(flower(17.0))
     plan = layout(design)

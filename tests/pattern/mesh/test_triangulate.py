@@ -108,18 +108,10 @@ def test_refused(points, segments, line):
     assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize(
-    "options",
-    [
-        {"max_area": 1e-12},
-        {"max_area": 1e-300},
-        {"holes": [[2, 2]]},
-        {"holes": [[0, 0]]},
-        {"holes": [[0.5, 0]]},
-        {"holes": [[0.5, 0.5]]},
-        {"holes": [[np.nan, 0.5]]},
-    ],
-)
+NOT_WITHIN = [[2, 2], [0, 0], [0.5, 0], [0.5, 0.5], [np.nan, 0.5]]
+
+
+@pytest.mark.parametrize("options", [{"max_area": 1e-12}, {"max_area": 1e-300}, *({"holes": [p]} for p in NOT_WITHIN)])
 def test_refused_options(options):
     with pytest.raises(MeshError) as caught:
         triangulate(SQUARE, LOOP, **options)

@@ -1,4 +1,7 @@
-"""Graphs and meshes of drawings and stars: lines, curves, motifs, rims, cuts, tips that meet, and what is refused."""
+"""Graphs and meshes of drawings and stars: lines, curves, motifs, rims, cuts, tips that meet, and what is refused.
+
+Stars and drawn rods in one design: laid out side by side, meshed, and refused where they would touch.
+"""
 
 from __future__ import annotations
 
@@ -14,6 +17,7 @@ from asterism.pattern.design.errors import DesignError, MeshError
 from asterism.pattern.geometry.planar import polygon_area, triangle_angles, triangle_areas, turning_angles
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
+from asterism.pattern.layout.symmetries import symmetries
 from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.pattern.rods.drawn_graph import Piece, cut_lines
 
@@ -23,14 +27,6 @@ SQUARE = {"rectangle_mm": [60.0, 60.0]}
 def sheet(*draw: dict[str, Any], border: dict[str, Any] = SQUARE, **more: Any) -> Layout:
     rods = {"draw": list(draw), **more.pop("rods", {})}
     return layout(Design.from_dict({"rods": rods, "border": border, **more}))
-
-
-def test_a_circle_is_one_closed_rod_without_a_joint() -> None:
-    plan = sheet({"circle_mm": {"centre": [3, 4], "radius": 20}})
-    (rod,) = plan.graph.rods
-    assert plan.graph.joints == () and len(plan.graph.links) == 1
-    assert rod.length == pytest.approx(40 * np.pi, rel=1e-3)
-    assert np.linalg.norm(rod.points - [3, 4], axis=1) == pytest.approx(20.0)
 
 
 def test_arc_and_spline_pass_where_they_are_told() -> None:
@@ -59,6 +55,10 @@ def test_motif_repeats_on_the_lattice_and_bonds_to_its_copies() -> None:
     degree = np.array([len(ends) for ends in plan.graph.ends_at])
     assert (degree == 4).sum() == 25 and set(degree) == {1, 4}
     assert plan.spacing_mm == 10.0 and max(rod.group for rod in plan.graph.rods) > 20
+    # its sample points are neighbours on the sheet
+    steps = np.diff(plan.sample_points[plan.sample_pairs], axis=1)[:, 0]
+    np.testing.assert_allclose(np.linalg.norm(steps, axis=1), 10.0)
+    assert (len(plan.sample_points), len(steps)) == (25, 40)
 
 
 def test_rim_is_the_outline_and_ribs_end_on_it() -> None:
@@ -219,3 +219,56 @@ def test_a_scribble_is_refused_before_all_its_crossings_are_computed() -> None:
     with pytest.raises(DesignError, match="lines must meet at most 100000 times"):
         cut_lines([scribble], 0.1, 0.6, ["scribble"])
     assert time.process_time() - start < 20.0
+
+
+RIM = {"name": "rim", "circle_mm": {"radius": 40.0}, "thickness_mm": 0.6}
+STARS = {"length_mm": 7.0, "thickness_mm": 0.4}
+
+
+def design(**changes: Any) -> Design:
+    return Design.from_dict({"stars": STARS, "rods": {"draw": [RIM]}, "border": {"rods": "rim"}} | changes)
+
+
+def test_stars_stand_within_a_printed_rim() -> None:
+    plan = layout(design())
+    assert len(plan.centres) == 13 and len(plan.drawn_rods) == 1 and plan.rim == (len(plan.arm_star),)
+    assert [rod.group for rod in plan.graph.rods[:3]] == [0, 0, 0] and plan.graph.rods[-1].name == "rim"
+    assert set(plan.graph.paired.tolist()) == set(range(13)) and plan.graph.joints == ()
+    assert len(symmetries(design(), plan)) == 6 and len(plan.sample_points) == 13
+    assert sorted(symmetries(design(), plan)[1].star.tolist()) == list(range(13))
+
+
+def test_the_stars_are_those_without_the_rods() -> None:
+    line = {"name": "line", "line_mm": [(25, -10), (25, 10)]}
+    border = {"rings": 1}
+    both = layout(design(rods={"draw": [line]}, border=border))
+    alone = layout(Design.from_dict({"stars": STARS, "border": border}))
+    for key in ("centres", "arm_tip", "arm_thickness", "outline", "star_number", "sample_pairs"):
+        np.testing.assert_array_equal(getattr(both, key), getattr(alone, key))
+
+
+def test_the_mesh_follows_arms_and_rods() -> None:
+    plan = layout(design())
+    mesh = mesh_layout(plan, 3.0)
+    np.testing.assert_allclose(mesh.points[mesh.star_vertices], plan.centres, atol=1e-9)
+    assert mesh.kind == "delaunay" and len(mesh.rods) == len(plan.graph.rods)
+    ends = [mesh.points[rod[-1]] for rod in mesh.rods[: len(plan.arm_tip)]]
+    np.testing.assert_allclose(ends, plan.arm_tip, atol=1e-9)
+
+
+def test_arms_that_touch_a_line_are_refused_with_both_places() -> None:
+    crossing = {"name": "line", "line_mm": [(-30, -4), (30, -4)]}
+    with pytest.raises(DesignError, match=r"star at \[.*\] crosses line at \[.*, -4.00\]: shorten") as told:
+        layout(design(rods={"draw": [crossing]}, border={"rings": 1}))
+    assert len(told.value.stars) == 1
+    beside = {"name": "line", "line_mm": [(-30, -7.5), (30, -7.5)]}
+    with pytest.raises(DesignError, match=r"is 0.50 mm from line"):
+        layout(design(rods={"draw": [beside]}, border={"rings": 1}))
+
+
+def test_stars_keep_clear_of_holes_and_of_their_rims() -> None:
+    window = {"name": "window", "circle_mm": {"radius": 6.0}}
+    border = {"rods": "rim", "holes": [{"rods": "window"}]}
+    plan = layout(design(rods={"draw": [RIM, window]}, border=border))
+    assert len(plan.centres) == 12 and len(plan.hole_rims[0]) == 1
+    assert plan.graph.rods[plan.hole_rims[0][0]].name == "window"

@@ -49,7 +49,7 @@ def test_values(text, expected):
     ],
 )  # fmt: skip
 def test_refused(text):
-    with pytest.raises(ExpressionError):
+    with pytest.raises(ExpressionError, match="nested at most 40 deep" if text.startswith("--") else ""):
         checked_expression(text)
 
 
@@ -70,5 +70,3 @@ def test_any_text_is_a_value_or_refused(text):
 
 def test_long_sums_are_not_deep() -> None:
     assert evaluate("+".join(["0.1*x"] * 80), AT) == pytest.approx(8.0 * AT["x"])
-    with pytest.raises(ExpressionError, match="nested at most 40 deep"):
-        checked_expression("-" * 60 + "1")
