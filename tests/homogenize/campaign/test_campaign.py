@@ -191,12 +191,8 @@ def test_interrupted_campaigns_leave_whole_files_and_no_workers(
         "from tests.homogenize.campaign.test_campaign import plan, run_campaign\n"
         "run_campaign(plan(), Path(sys.argv[1]), 2, respond=fake.slow)\n"  # and no main guard
     )
-    root = Path(__file__).parents[3]
     samples = tmp_path / "samples"
-    process = subprocess.Popen(
-        [sys.executable, str(script), str(samples)], env={**__import__("os").environ, "PYTHONPATH": str(root)},
-        stderr=subprocess.DEVNULL,
-    )  # fmt: skip
+    process = subprocess.Popen([sys.executable, str(script), str(samples)], stderr=subprocess.DEVNULL)
     while not (samples.exists() and len(list(samples.glob("*.json"))) >= 2):
         time.sleep(0.02)
         assert process.poll() is None
@@ -214,9 +210,7 @@ def test_interrupted_campaigns_leave_whole_files_and_no_workers(
 def test_dask_gives_the_same_law(tmp_path: Path, records: list[SampleRecord]) -> None:
     distributed = pytest.importorskip("distributed")
     own = fit_law(plan(), records)
-    with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
-    ) as cluster:  # fmt: skip
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
         records = run_campaign(plan(), tmp_path / "dask", dask=cluster.scheduler_address, respond=fake.solve_cell)
         assert law_bytes(fit_law(plan(), records)) == law_bytes(own)
         # a second run has nothing left to ask the cluster for
@@ -233,9 +227,7 @@ def test_a_cluster_whose_workers_have_gone_is_given_up(tmp_path: Path, monkeypat
     """Its scheduler would keep the cells for workers to come."""
     distributed = pytest.importorskip("distributed")
     monkeypatch.setattr(workers, "MAX_WAIT_FOR_WORKERS_S", 1.0)
-    with distributed.LocalCluster(
-        n_workers=1, threads_per_worker=1, processes=True, dashboard_address=None
-    ) as cluster:  # fmt: skip
+    with distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster:
 
         def leave(progress: CampaignProgress) -> None:
             if progress.done == 1:

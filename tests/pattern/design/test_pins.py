@@ -25,16 +25,18 @@ def test_border_scaled():
     np.testing.assert_allclose(held.places(np.array([[10.0, -20.0]])), [[7.4, -14.8, 0]])
 
 
-def test_some_corners_moved():
-    (held,) = pins({"corners": [0, 2], "offset_mm": [1, 2, 3]})
-    np.testing.assert_allclose(held.points, [[-50, -30], [50, 30]])
-    np.testing.assert_allclose(held.places(held.points), [[-49, -28, 3], [51, 32, 3]])
-
-
-@pytest.mark.parametrize("target", [[1, 2, 3], [[1, 2, 3]]])
-def test_target(target):
-    (held,) = pins({"points_mm": [[10, 5]], "target_mm": target})
-    np.testing.assert_allclose(held.places(held.points), [[1, 2, 3]])
+@pytest.mark.parametrize(
+    ("table", "printed", "places"),
+    [
+        ({"corners": [0, 2], "offset_mm": [1, 2, 3]}, [[-50, -30], [50, 30]], [[-49, -28, 3], [51, 32, 3]]),
+        ({"points_mm": [[10, 5]], "target_mm": [1, 2, 3]}, [[10, 5]], [[1, 2, 3]]),
+        ({"points_mm": [[10, 5]], "target_mm": [[1, 2, 3]]}, [[10, 5]], [[1, 2, 3]]),
+    ],
+)
+def test_places_of_points(table, printed, places):
+    (held,) = pins(table)
+    np.testing.assert_allclose(held.points, printed)
+    np.testing.assert_allclose(held.places(held.points), places)
 
 
 @pytest.mark.parametrize(
