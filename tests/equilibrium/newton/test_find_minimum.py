@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.linear.backends import available, make_factor
+from asterism.equilibrium.linear.multigrid import MultigridFactor
 from asterism.equilibrium.linear.sparse_pattern import SparsePattern
 from asterism.equilibrium.newton.certificate import Eigenpair, leave_saddle, smallest_eigenvalue
 from asterism.equilibrium.newton.minimise import Minimum, find_minimum, is_definite_on_support
@@ -70,31 +71,21 @@ def test_an_eigenvalue_of_zero_is_no_saddle_to_leave():
 def test_what_is_not_proven_is_no_minimum() -> None:
     """A solver that iterates accepts what it has not refuted."""
 
-    class Lenient:
-        name = "lenient"
-
-        def __init__(self, proof: bool) -> None:
-            self._proof = proof
+    class Lenient(MultigridFactor):
+        proof = True
 
         def factorise(self, data: Floats) -> bool:
             return True
 
         def proves_definite(self) -> bool:
-            return self._proof
-
-        def solve(self, b: Floats, tolerance: float = 0.0) -> Floats:
-            return b
-
-        product = precondition = solve
-
-        def set_near_nullspace(self, nodes: object, modes: object) -> None: ...
-
-        def close(self) -> None: ...
+            return self.proof
 
     problem, place = double_well(), np.zeros(2)
     data = problem.hessian(place, 0.0)
-    assert is_definite_on_support(problem, place, data, Lenient(True))
-    assert not is_definite_on_support(problem, place, data, Lenient(False))
+    factor = Lenient(problem.pattern, make_factor)
+    assert is_definite_on_support(problem, place, data, factor)
+    factor.proof = False
+    assert not is_definite_on_support(problem, place, data, factor)
 
 
 @pytest.mark.parametrize("tilt", [0.2, -0.2])

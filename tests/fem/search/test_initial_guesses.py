@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -135,14 +137,9 @@ POINTS = np.random.default_rng(0).uniform(-1.2, 1.2, (40, 2))
 STEP = 1e-4
 
 
-class Points:
-    """Replaces a space, and returns the jets at its points."""
-
-    def __init__(self, points: Floats) -> None:
-        self._points = points
-
-    def interpolate(self, jets) -> Floats:  # type: ignore[no-untyped-def]
-        return np.asarray(jets(self._points))
+def on(points: Floats) -> Any:
+    """In place of a space, the jets at points (n, 2)."""
+    return SimpleNamespace(interpolate=lambda jets: np.asarray(jets(points)))
 
 
 def moved(points: Floats) -> Floats:
@@ -163,12 +160,12 @@ def moved(points: Floats) -> Floats:
 
 def places(shape: SimpleShape, points: Floats) -> Floats:
     """(n, 3) of points (n, 2)."""
-    return shape.over(Points(points), moved)[:, 0]  # type: ignore[arg-type]
+    return shape.over(on(points), moved)[:, 0]
 
 
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda shape: shape.name)
 def test_derivatives(shape: SimpleShape) -> None:
-    jets = shape.over(Points(POINTS), moved)  # type: ignore[arg-type]
+    jets = shape.over(on(POINTS), moved)
     one, two = STEP * np.eye(2)
     middle = places(shape, POINTS)
     first = [(places(shape, POINTS + d) - places(shape, POINTS - d)) / (2.0 * STEP) for d in (one, two)]
@@ -182,7 +179,7 @@ def test_derivatives(shape: SimpleShape) -> None:
 @pytest.mark.parametrize("shape", SHAPES, ids=lambda shape: shape.name)
 def test_curvatures_in_the_middle(shape: SimpleShape) -> None:
     """At the centre the sheet keeps its lengths and has both curvatures; positive ones lift the edges."""
-    at = shape.over(Points(np.zeros((1, 2))), similar(np.zeros(2), 1.0))[0]  # type: ignore[arg-type]
+    at = shape.over(on(np.zeros((1, 2))), similar(np.zeros(2), 1.0))[0]
     cos, sin = np.cos(shape.angle), np.sin(shape.angle)
     across = shape.curvature if shape.name == "cap" else shape.across
     along, side = np.array([cos, sin]), np.array([-sin, cos])
@@ -194,6 +191,6 @@ def test_curvatures_in_the_middle(shape: SimpleShape) -> None:
 
 def test_an_arc_lies_on_its_cylinder_and_a_cap_on_its_sphere() -> None:
     flat = similar(np.zeros(2), 1.0)
-    arc, cap = (SimpleShape(name, 0.7).over(Points(POINTS), flat)[:, 0] for name in ("arc", "cap"))  # type: ignore[arg-type]
+    arc, cap = (SimpleShape(name, 0.7).over(on(POINTS), flat)[:, 0] for name in ("arc", "cap"))
     assert np.allclose(np.hypot(arc[:, 0], arc[:, 2] - 1 / 0.7), 1 / 0.7)
     assert np.allclose(np.linalg.norm(cap - [0.0, 0.0, 1 / 0.7], axis=1), 1 / 0.7)

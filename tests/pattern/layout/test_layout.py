@@ -114,6 +114,8 @@ def test_sizes_along_arms_of_a_star_changed_by_hand():
     changed = lay(stars={"length_mm": 4.0, "override": [{"star": 0, "length_mm": 9.0}], **plan})
     np.testing.assert_allclose(changed.arm_thickness[:3, 1], 0.6 + 0.004 * changed.arm_tip[:3, 1])
     np.testing.assert_allclose(changed.arm_length[:3], 9.0)
+    flat = lay(stars={"length_mm": 4.0, "thickness_mm": field}).arm_thickness
+    np.testing.assert_array_equal(flat[:, 0], flat[:, 1])
 
 
 def test_cut_arm_keeps_the_taper_of_the_full_one():
