@@ -1,4 +1,7 @@
-"""The law: exact where it must be, smooth, never silent out of its range, refused where it does not belong."""
+"""The law: exact where it must be, smooth, never silent out of its range, refused where it does not belong.
+
+The law that comes with the package: how good it says it is, and what it is made of.
+"""
 
 from __future__ import annotations
 
@@ -21,9 +24,9 @@ from asterism.homogenize.campaign.kept_samples import attempt
 from asterism.homogenize.errors import CampaignError, LawError
 from asterism.homogenize.law.hermite_grid import HermiteGrid, SlopeRule, node_slopes
 from asterism.homogenize.law.law_file import law_bytes, law_digest, load_law
-from asterism.homogenize.law.material import Material
+from asterism.homogenize.law.material import PAPER_MATERIAL, Material, load_material
 from asterism.homogenize.law.plan import CellTask, LawPlan, SampleRecord
-from asterism.homogenize.law.star_law import QUANTITY_NAMES, StarLaw, to_stored
+from asterism.homogenize.law.star_law import MAX_SEPARATED_CURL, QUANTITY_NAMES, StarLaw, to_stored
 from asterism.pattern.design.design import Design
 from tests.homogenize import fake
 
@@ -448,3 +451,51 @@ def test_slopes_are_those_of_scipy(rule: SlopeRule, steps: Floats, data: st.Data
 def test_straight_lines_have_their_slope(rule: SlopeRule, count: int) -> None:
     nodes = np.arange(count) ** 1.5
     np.testing.assert_allclose(node_slopes(nodes, 2.0 - 3.0 * nodes, 0, rule), -3.0, rtol=1e-12)
+
+
+@pytest.fixture(scope="module")
+def papers() -> StarLaw:
+    return load_law()
+
+
+def test_it_is_of_the_plan_that_comes_with_it(papers: StarLaw) -> None:
+    """And says by which command, with which versions, on what machine and in what time."""
+    assert papers.plan == load_material(PAPER_MATERIAL).law_plan()
+    assert papers.made["command"] == "asterism calibrate"
+    assert {"asterism", "numpy", "scipy"} <= set(papers.made["versions"]) and papers.made["machine"]["cores"] > 0
+    assert papers.made["cell_seconds"] > 0.0
+
+
+@pytest.mark.parametrize("stretch", ["1.35", "1.75"])
+def test_cells_that_it_has_not_seen(papers: StarLaw, stretch: str) -> None:
+    """Over the stated range, in percent of the cell."""
+    held = papers.residuals[stretch]["held_out"]
+    assert held["count"] + held["tight"]["count"] == papers.plan.held_out and held["count"] > 20
+    typical = {"lam": 0.05, "lam_n": 0.05, "kappa": 1.0, "bending": 1.0}
+    assert all(held["errors"][name]["median_percent"] < percent for name, percent in typical.items())
+    allowed = {"lam": 0.2, "lam_n": 0.2, "kappa": 8.0, "bending": 8.0}
+    worst = {name: held["errors"][name]["largest_percent"] for name in allowed}
+    assert all(worst[name] < percent for name, percent in allowed.items()), worst
+    for cell in held["cells"]:
+        (a, b), (own, other) = ((cell[which]["a11"], cell[which]["a12"]) for which in ("law", "cell"))
+        if not cell["tight"]:
+            assert _size(a - own, b - other) < 0.08 * _size(own, other), cell
+
+
+def _size(a11: float, a12: float) -> float:
+    """Frobenius norm of an isotropic plane stiffness."""
+    return float(np.sqrt(2.0 * a11**2 + 2.0 * a12**2 + (a11 - a12) ** 2))
+
+
+def test_every_cell_of_the_stated_range_bumps_up(papers: StarLaw) -> None:
+    seen = 0
+    for cell in papers.samples:
+        found = cell["sample"]
+        assert found is not None, cell
+        curl = np.mean(found["natural_curvature"]) * found["spacing_mm"]
+        if curl > MAX_SEPARATED_CURL or cell["length_mm"] == 0.0:
+            continue
+        seen += 1
+        assert cell["problem"] is None, cell
+        assert min(found["natural_bump_mm"]) > 0.0
+    assert seen > 0.6 * len(papers.samples)

@@ -15,6 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.errors import Error
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError, MeshError
@@ -27,6 +28,7 @@ from asterism.pattern.layout.symmetries import symmetries
 from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.pattern.rods.drawn_graph import Piece, cut_lines
 from asterism.pattern.rods.motif_graph import MotifGraph, motif_graph
+from benchmarks.fuzz.mutations import mutated_table
 
 SQUARE = {"rectangle_mm": [60.0, 60.0]}
 
@@ -344,3 +346,48 @@ def test_a_motif_that_lies_on_its_copies_is_refused() -> None:
         on_squares({"name": "long", "line_mm": [(0, 0), (13, 0)]})
     with pytest.raises(DesignError, match=r"^rods\.motif: is too long for its lattice"):
         on_squares({"line_mm": [(0, 0), (700, 31)]})
+
+
+OUTER = {"name": "rim", "circle_mm": {"radius": 30.0}}
+EYE = {"name": "eye", "spline_mm": [[-6, 0], [0, 6], [6, 0], [0, -6]], "closed": True}
+DESIGNS: list[dict[str, Any]] = [
+    {
+        "rods": {"draw": [OUTER, EYE, {"name": "rib", "line_mm": [[-35, 1], [35, 1]]}], "thickness_mm": 0.4},
+        "border": {"rods": "rim", "holes": [{"rods": "eye"}, {"circle_mm": {"centre": [0, -15], "radius": 4.0}}]},
+        "pins": [{"points_mm": [[20, -5], [-20, -5]]}],
+        "mesh": {"edge_mm": 5.0},
+    },
+    {
+        "lattice": {"kind": "square", "spacing_mm": 10.0},
+        "rods": {"motif": [{"line_mm": [[0, 0], [10, 0]]}, {"line_mm": [[0, 0], [0, 10]]}]},
+        "border": {"rectangle_mm": [42.0, 42.0], "holes": [{"polygon_mm": [[2, 2], [8, 2], [8, 8], [2, 8]]}]},
+        "mesh": {"edge_mm": 5.0},
+    },
+    {
+        "stars": {"length_mm": 7.0, "thickness_mm": 0.4},
+        "rods": {"draw": [OUTER | {"circle_mm": {"radius": 40.0}}]},
+        "border": {"rods": "rim", "star_margin_mm": 9.0},
+        "mesh": {"edge_mm": 5.0},
+    },
+]
+KEYS = ("radius", "closed", "line_mm", "join_mm", "curve_mm", "holes", "rods", "layer", "file")
+# larger sheets and finer meshes take long, and show nothing else
+MAX_VERTICES = 20_000
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("first", range(0, 60, 20))
+def test_a_mutated_design_is_meshed_or_refused_in_one_line(first: int) -> None:
+    for number in range(first, first + 20):
+        table, rng = DESIGNS[number % len(DESIGNS)], np.random.default_rng([7, number])
+        for _ in range(1 + number % 2):
+            table = mutated_table(table, rng, KEYS)
+        try:
+            design = Design.from_dict(table)
+            plan = layout(design)
+            if np.prod(np.ptp(plan.outline, axis=0)) / design.mesh.edge_mm**2 > MAX_VERTICES:
+                continue
+            mesh = mesh_layout(plan, design.mesh.edge_mm, design.mesh.kind)
+            assert triangle_areas(mesh.points, mesh.triangles).min() > 0.0
+        except Error as error:
+            assert str(error) and "\n" not in str(error)
