@@ -191,9 +191,8 @@ def test_redundant_equations_are_dropped_and_contradictions_are_named() -> None:
         impose_conditions(space, [rim, PointSupport(corner, np.array([[1.0, 0.0, 0.0]]))]),
     )
     assert once.map.shape == twice.map.shape
-    with pytest.raises(
-        ConditionError, match=r"contradicts other conditions \((corner|rim)\) at \(1, 0\) mm by"
-    ) as error:
+    said = r"contradicts other conditions \((corner|rim)\) at \(1, 0\) mm by"
+    with pytest.raises(ConditionError, match=said) as error:
         impose_conditions(space, [rim, PointSupport(corner, np.array([[1.0, 0.0, 0.2]]), name="corner")])
     assert "\n" not in str(error.value)
 

@@ -92,9 +92,8 @@ def test_an_outline_of_80_x_60_mm(body: str, size: str, tmp_path: Path) -> None:
 
 def test_a_size_in_pixels_names_what_it_may_be(tmp_path: Path) -> None:
     path = svg(tmp_path, RECTANGLE, 'width="377.95" height="302.36" viewBox="0 0 100 80"')
-    with pytest.raises(
-        DesignError, match=r'its size in px.*"mm" makes it 302.4 x 226.8 mm, "px" makes it 80 x 60 mm, "pt"'
-    ):
+    said = r'its size in px.*"mm" makes it 302.4 x 226.8 mm, "px" makes it 80 x 60 mm, "pt"'
+    with pytest.raises(DesignError, match=said):
         outline_size(path)
     assert outline_size(path, units="px") == pytest.approx([80.0, 60.0], abs=1e-2)
     with pytest.raises(ScanError, match=r"size in px: give width and height in mm$"):
@@ -123,9 +122,8 @@ def test_a_size_in_pixels_names_what_it_may_be(tmp_path: Path) -> None:
     ],
 )
 def test_what_cannot_be_seen_is_left_out_and_said(hidden: str, tmp_path: Path) -> None:
-    with pytest.warns(
-        DrawingWarning, match=r"x.svg: read 1 line in 1 layer, 80 x 60 mm; left out: 1 (hidden line|line in)"
-    ):
+    said = r"x.svg: read 1 line in 1 layer, 80 x 60 mm; left out: 1 (hidden line|line in)"
+    with pytest.warns(DrawingWarning, match=said):
         assert len(read(svg(tmp_path, hidden + RECTANGLE)).lines) == 1
 
 
@@ -169,9 +167,8 @@ def test_a_stretched_stroke_matters_for_widths_only(tmp_path: Path) -> None:
     path = svg(tmp_path, circle)
     assert outline_size(path) == pytest.approx([80.0, 40.0], abs=1e-2)
     rods: dict[str, Any] = {"file": path.name, "width": "stroke"}
-    with pytest.raises(
-        DesignError, match=r"import\[0\].file = 'x.svg': Circle is drawn with a stroke stretched 2 to 1"
-    ):
+    said = r"import\[0\].file = 'x.svg': Circle is drawn with a stroke stretched 2 to 1"
+    with pytest.raises(DesignError, match=said):
         Design.from_dict({"rods": {"import": [rods]}, "border": {"rectangle_mm": [99, 99]}}, tmp_path)
 
 
@@ -280,9 +277,8 @@ def test_splines_are_read_over_their_domain(tmp_path: Path) -> None:
 def test_unknown_units_of_dxf_can_be_given(tmp_path: Path) -> None:
     path = dxf(tmp_path, sides, 0)
     path.write_text(path.read_text().replace("$INSUNITS\n 70\n0\n", "$INSUNITS\n 70\n99\n"))
-    with pytest.raises(
-        NoUnitError, match=r'unknown unit \(\$INSUNITS = 99\).*"mm" makes it 80 x 60 mm, "cm" makes it 800'
-    ):
+    said = r'unknown unit \(\$INSUNITS = 99\).*"mm" makes it 80 x 60 mm, "cm" makes it 800'
+    with pytest.raises(NoUnitError, match=said):
         read(path)
     assert outline_size(path, units="mm") == pytest.approx([80.0, 60.0])
 

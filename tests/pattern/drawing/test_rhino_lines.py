@@ -110,7 +110,6 @@ def test_wrong_files_end_in_one_line(tmp_path: Path) -> None:
 def test_a_missing_package_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     Drawing().saved(tmp_path)
     monkeypatch.setitem(__import__("sys").modules, "rhino3dm", None)
-    with pytest.raises(
-        DesignError, match=r'''x\.3dm': reading 3DM needs rhino3dm: pip install "asterism-fabric\[cad\]"'''
-    ):
+    said = r'''x\.3dm': reading 3DM needs rhino3dm: pip install "asterism-fabric\[cad\]"'''
+    with pytest.raises(DesignError, match=said):
         sheet(tmp_path)

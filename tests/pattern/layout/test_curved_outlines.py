@@ -142,10 +142,8 @@ def test_one_arc_held_at_its_ends_stands_out_as_a_similar_arc() -> None:
     found = sheet({"polygon_mm": SQUARE, "bulge_mm": BULGES}, pins=[{"edges": [0], "target_mm": ends}]).support_samples
     scale = np.hypot(72.0, 7.0) / 80.0
     x, y = found.printed.T
-    assert (
-        np.abs(found.places - np.column_stack([0.9 * x, -40.0 + scale * (y + 40.0), 7.0 * (x / 80.0 + 0.5)])).max()
-        < 1e-9
-    )
+    similar = np.column_stack([0.9 * x, -40.0 + scale * (y + 40.0), 7.0 * (x / 80.0 + 0.5)])
+    assert np.abs(found.places - similar).max() < 1e-9
 
 
 MATRIX, OFFSET = np.array([[0.8, 0.1], [-0.2, 0.7], [0.3, 0.4]]), np.array([1.0, -2.0, 5.0])

@@ -86,9 +86,8 @@ def test_rim_is_the_outline_and_ribs_end_on_it() -> None:
 
 def test_lines_that_leave_the_sheet_may_be_refused() -> None:
     long = {"name": "rib", "line_mm": [[-40, 5], [40, 5]]}
-    with pytest.raises(
-        DesignError, match=r"rib leaves the sheet at \[-?40.00, 5.00\]; overhang = \"cut\" cuts it there"
-    ):
+    said = r"rib leaves the sheet at \[-?40.00, 5.00\]; overhang = \"cut\" cuts it there"
+    with pytest.raises(DesignError, match=said):
         sheet(long, border={**SQUARE, "overhang": "refuse"})
 
 
