@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from asterism.equilibrium.arrays import Floats
-from asterism.homogenize.campaign.campaign import run_campaign
+from asterism.homogenize.campaign.campaign import SolveCell, run_campaign
 from asterism.homogenize.campaign.fit_law import fit_law, motif_tensors
 from asterism.homogenize.cell.motif_responses import motif_responses
 from asterism.homogenize.errors import CampaignError, ForeignLaw, LawError
@@ -37,9 +37,12 @@ def design(thickness: Any = 0.4, width: Any = 1.2, own: dict[str, Any] | None = 
     return Design.from_dict({"rods": rods, "lattice": lattice, "border": {"rectangle_mm": (60, 60)}} | more)
 
 
-def law_of(sheet: Design, folder: Path, monkeypatch: pytest.MonkeyPatch) -> MotifLaw:
+def law_of(
+    sheet: Design, folder: Path, monkeypatch: pytest.MonkeyPatch, respond: SolveCell | None = made_up
+) -> MotifLaw:
+    """From real cells if nothing responds in their place."""
     same_process.use(monkeypatch)
-    return learned_law(sheet, folder)
+    return learned_law(sheet, folder, respond)
 
 
 @pytest.fixture
@@ -249,11 +252,6 @@ def test_the_table_of_a_turned_motif_is_the_turned_table() -> None:
 THINNER = {"profile": "radial", "from": 0.5, "to": 0.4, "over_mm": 30.0}
 
 
-def real_law(design: Design, folder: Path, monkeypatch: pytest.MonkeyPatch) -> MotifLaw:
-    same_process.use(monkeypatch)
-    return learned_law(design, folder, None)
-
-
 def tensors_at(law: MotifLaw, design: Design, points: np.ndarray) -> SheetTensors:
     values = law.evaluate_at(design, points)
     return SheetTensors(values.metric, values.stiffness, values.curvature)
@@ -266,7 +264,7 @@ def test_left_out_sizes_are_within_the_stated_errors(tmp_path: Path, monkeypatch
     sheet = {"rods": rods, "lattice": lattice, "border": {"rectangle_mm": (60, 60)}, "mesh": {"edge_mm": 2.5}}
     sheet["fabric"] = {"bending": "paper"}
     design = Design.from_dict(sheet)
-    law = real_law(design, tmp_path, monkeypatch)
+    law = law_of(design, tmp_path, monkeypatch, None)
     stated = [each["largest_percent"] for each in law.residuals["1.35"]["held_out"]["errors"].values()]
     for radius in (4.0, 17.0):
         thickness = 0.5 - 0.1 * radius / 30.0
@@ -280,7 +278,7 @@ def test_left_out_sizes_are_within_the_stated_errors(tmp_path: Path, monkeypatch
 def test_unequal_stretch_has_a_law(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """With the stretches of x and y exchanged, a square grid has the law turned by 90 degrees, up to its mesh."""
     designs = [motif_design(grid(), 0.5, fabric={"stretch": pair}) for pair in ([1.35, 1.15], [1.15, 1.35])]
-    laws = [real_law(each, tmp_path / str(number), monkeypatch) for number, each in enumerate(designs)]
+    laws = [law_of(each, tmp_path / str(number), monkeypatch, None) for number, each in enumerate(designs)]
     plain, other = (tensors_at(law, each, np.zeros((1, 2))) for law, each in zip(laws, designs, strict=True))
     assert (tensor_errors(other, turned(plain, np.pi / 2))[0] < [0.01, 0.1, 1.5, 1.0]).all()
     assert abs(plain.curvature[0, 0]) > 1.2 * abs(plain.curvature[0, 1])

@@ -20,6 +20,7 @@ SQUARE = [[-40.0, -40.0], [40.0, -40.0], [40.0, 40.0], [-40.0, 40.0]]
 BULGES = [10.0, 0.0, -15.0, 40.0]
 WAVES = [[-40.0, -40.0], [0.0, -30.0], [40.0, -40.0], [30.0, 0.0], [40.0, 40.0], [0.0, 30.0], [-40.0, 40.0]]
 CURVE_MM = 0.1
+MATRIX, OFFSET = np.array([[0.8, 0.1], [-0.2, 0.7], [0.3, 0.4]]), np.array([1.0, -2.0, 5.0])
 
 
 def sheet(border: dict[str, Any], **rest: Any) -> Layout:
@@ -121,12 +122,11 @@ def test_affine_places_of_the_given_corners_hold_the_affine_image_of_the_curve(
 ) -> None:
     corners = np.array(WAVES)
     border = {key: values[::order] for key, values in border.items()}
-    matrix, offset = np.array([[0.8, 0.1], [-0.2, 0.7], [0.3, 0.4]]), np.array([1.0, -2.0, 5.0])
     which = list(range(7)) if edges is None else [1, 2, 3]
     where: dict[str, Any] = {"where": "border"} if edges is None else {"edges": edges}
-    plan = sheet(border, pins=[where | {"target_mm": (corners[which] @ matrix.T + offset).tolist()}])
+    plan = sheet(border, pins=[where | {"target_mm": (corners[which] @ MATRIX.T + OFFSET).tolist()}])
     middles = np.array([0.5 * (a + b) for a, b in plan.pins[0].segments(plan.edges)])
-    np.testing.assert_allclose(plan.pins[0].places(middles), middles @ matrix.T + offset, atol=1e-9)
+    np.testing.assert_allclose(plan.pins[0].places(middles), middles @ MATRIX.T + OFFSET, atol=1e-9)
 
 
 def test_places_of_the_corners_are_kept_where_kinks_and_curves_meet() -> None:
@@ -144,9 +144,6 @@ def test_one_arc_held_at_its_ends_stands_out_as_a_similar_arc() -> None:
     x, y = found.printed.T
     similar = np.column_stack([0.9 * x, -40.0 + scale * (y + 40.0), 7.0 * (x / 80.0 + 0.5)])
     assert np.abs(found.places - similar).max() < 1e-9
-
-
-MATRIX, OFFSET = np.array([[0.8, 0.1], [-0.2, 0.7], [0.3, 0.4]]), np.array([1.0, -2.0, 5.0])
 
 
 def corners_on_circle(count: int) -> np.ndarray:
