@@ -44,21 +44,14 @@ def complex_steps(sample: Sample, n: int, function) -> Array:
 
 @ENERGIES
 @PLACES
-def test_gradient(name, bent):
+def test_gradient_and_hessian(name, bent):
     sample = make(name, bent)
-    n = sample.elements.dofs_per_element
+    n, packed = sample.elements.dofs_per_element, sample.state.packed
     expected = complex_steps(sample, n, partial(plain_energies, sample.elements))
-    assert relative(sample.elements.gradients(sample.state.packed), expected) < 1e-11
-
-
-@ENERGIES
-@PLACES
-def test_hessian(name, bent):
-    sample = make(name, bent)
-    n = sample.elements.dofs_per_element
+    assert relative(sample.elements.gradients(packed), expected) < 1e-11
     derivative = complex_steps(sample, n, partial(plain_gradients, sample.elements))
     expected = 0.5 * (derivative + derivative.swapaxes(1, 2))
-    assert relative(full(sample.elements.hessians(sample.state.packed)), expected) < 1e-11
+    assert relative(full(sample.elements.hessians(packed)), expected) < 1e-11
     if not name.startswith("rod"):
         # without directors there is no holonomy, so the derivative is symmetric
         assert relative(derivative, expected) < 1e-11

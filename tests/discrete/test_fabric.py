@@ -66,12 +66,7 @@ def random_delaunay(edge: float) -> tuple[Array, Array]:
     return points, counterclockwise(points, Delaunay(points).simplices)
 
 
-MESHES = {
-    "right": right_triangles,
-    "equilateral": equilateral,
-    "jittered": jittered,
-    "random": random_delaunay,
-}
+MESHES = {"right": right_triangles, "equilateral": equilateral, "jittered": jittered, "random": random_delaunay}
 
 
 def area(points: Array, triangles: Array) -> Array:

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.spatial.transform import Rotation
 
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State, moved_state
@@ -66,13 +67,6 @@ def assert_gradient(found: Array, expected: Array) -> None:
     assert np.abs(found - expected).max() < TOLERANCE * np.abs(GRADIENT).max()
 
 
-def rotated(vectors: Array, axis: Array, angle: float) -> Array:
-    """Vectors rotated about an axis, by Rodrigues' formula."""
-    w = axis / np.linalg.norm(axis)
-    along = (vectors @ w)[:, None] * w
-    return along + np.cos(angle) * (vectors - along) + np.sin(angle) * np.cross(w, vectors)
-
-
 directions = st.tuples(*[st.floats(-1.0, 1.0)] * 3).map(np.array).filter(lambda v: np.linalg.norm(v) > 0.1)
 turns = st.floats(-np.pi, np.pi)
 
@@ -95,9 +89,10 @@ def test_translation(shift, size):
 @settings(max_examples=30)
 @given(axis=directions, angle=turns)
 def test_rotation(axis, angle):
-    moved = State(rotated(STATE.positions, axis, angle), rotated(STATE.directors, axis, angle))
+    turn = Rotation.from_rotvec(angle * axis / np.linalg.norm(axis))
+    moved = State(turn.apply(STATE.positions), turn.apply(STATE.directors))
     assert_same(MODEL.energies(moved))
-    forces = rotated(GRADIENT[:N].reshape(-1, 3), axis, angle)
+    forces = turn.apply(GRADIENT[:N].reshape(-1, 3))
     assert_gradient(MODEL.full_gradient(moved), np.concatenate([forces.ravel(), GRADIENT[N:]]))
 
 

@@ -2,30 +2,34 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
 from asterism.fem.elements.deformation import Deformation
 
 
-def stacked(rows: list[list[Floats | float]], points: Floats) -> Floats:
-    """(n, 3, k) array from k rows of three components."""
-    parts = [np.stack(np.broadcast_arrays(*row, points[:, 0])[:3], axis=1) for row in rows]
-    return np.stack(parts, axis=2)
+def by_differences(place: Callable[[Floats], Floats], step: float = 1e-4) -> Deformation:
+    """A map of printed points (n, 2) to (n, 3), its derivatives by differences over `step` mm."""
+    one, two = step * np.eye(2)
+
+    def gradient(p: Floats) -> Floats:
+        return np.stack([place(p + d) - place(p - d) for d in (one, two)], axis=2) / (2.0 * step)
+
+    def hessian(p: Floats) -> Floats:
+        straight = [place(p + d) + place(p - d) - 2.0 * place(p) for d in (one, two)]
+        mixed = place(p + one + two) + place(p - one - two) - place(p + one - two) - place(p - one + two)
+        return np.stack([*straight, 0.25 * mixed], axis=2) / step**2
+
+    return Deformation(place, gradient, hessian)
 
 
 def arc(curvature: float) -> Deformation:
     """Cylinder about the second axis, concave on the side of its normal for a positive curvature per mm."""
-    k = curvature
 
-    def position(p: Floats) -> Floats:
-        return np.stack([np.sin(k * p[:, 0]) / k, p[:, 1], (1.0 - np.cos(k * p[:, 0])) / k], axis=1)
+    def place(p: Floats) -> Floats:
+        turn = curvature * p[:, 0]
+        return np.column_stack([np.sin(turn) / curvature, p[:, 1], (1.0 - np.cos(turn)) / curvature])
 
-    def gradient(p: Floats) -> Floats:
-        return stacked([[np.cos(k * p[:, 0]), 0.0, np.sin(k * p[:, 0])], [0.0, 1.0, 0.0]], p)
-
-    def hessian(p: Floats) -> Floats:
-        flat = [0.0, 0.0, 0.0]
-        return stacked([[-k * np.sin(k * p[:, 0]), 0.0, k * np.cos(k * p[:, 0])], flat, flat], p)
-
-    return Deformation(position, gradient, hessian)
+    return by_differences(place)

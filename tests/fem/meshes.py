@@ -30,14 +30,6 @@ def turned(mesh: MeshTri, degrees: float, shift: tuple[float, float]) -> MeshTri
     return MeshTri(np.array([[c, -s], [s, c]]) @ mesh.p + np.array(shift)[:, None], mesh.t)
 
 
-def disc(refinements: int) -> MeshTri:
-    """Polygon about the origin with the area of the unit disc."""
-    mesh = MeshTri.init_circle(refinements)
-    x, y = mesh.p[:, mesh.t]
-    area = 0.5 * np.abs((x[1] - x[0]) * (y[2] - y[0]) - (x[2] - x[0]) * (y[1] - y[0])).sum()
-    return MeshTri(mesh.p * np.sqrt(np.pi / area), mesh.t)
-
-
 def facets_where(mesh: MeshTri, test) -> np.ndarray:
     """Outer edges whose midpoint (2,) passes a test of its coordinates x, y."""
     rim = mesh.boundary_facets()

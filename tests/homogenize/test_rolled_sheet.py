@@ -10,11 +10,7 @@ from hypothesis import strategies as st
 from asterism.homogenize.cell.corrugation_waves import CorrugationWaves
 from asterism.homogenize.cell.flat_cell import relax_flat_cell
 from asterism.homogenize.cell.linear_response import flat_membrane_stiffness, tube_membrane_stiffness
-from asterism.homogenize.cell.rolling import (
-    heights_over_mean_surface,
-    roll_cell,
-    unrolled_flat_cell,
-)
+from asterism.homogenize.cell.rolling import heights_over_mean_surface, roll_cell, unrolled_flat_cell
 from asterism.homogenize.cell.sample import solve_cell
 from asterism.homogenize.cell.unit_cell import UnitCell
 from asterism.homogenize.law.anisotropy import isotropic_constants
@@ -134,3 +130,12 @@ def test_the_nearest_isotropic_tensor() -> None:
     # they do not depend on the axes; strains turn as forms do
     turn = turned(0.4)
     assert isotropic_constants(turn.T @ stiffer @ turn) == pytest.approx(isotropic_constants(stiffer))
+
+
+def test_amplitudes_are_of_heights_over_their_mean_and_weights_count_as_often_as_they_say() -> None:
+    waves, rng = CorrugationWaves.of(Lattice()), np.random.default_rng(3)
+    offsets, heights, times = rng.uniform(-9.0, 9.0, (90, 2)), rng.normal(size=90), rng.integers(1, 5, 90)
+    found = waves.amplitudes(offsets, heights, times.astype(float))
+    assert np.allclose(waves.amplitudes(offsets, heights + 7.0, times.astype(float)), found)
+    several = waves.amplitudes(np.repeat(offsets, times, axis=0), np.repeat(heights, times), np.ones(times.sum()))
+    assert np.allclose(several, found)

@@ -61,10 +61,7 @@ def layout(
 
 
 def rings(
-    n: int,
-    length: float | Floats = 10.0,
-    directions: Sequence[float] = THREE,
-    pins: tuple[PinSet, ...] = (),
+    n: int, length: float | Floats = 10.0, directions: Sequence[float] = THREE, pins: tuple[PinSet, ...] = ()
 ) -> Layout:
     """A hexagon of n rings of stars around the central one."""
     centres = lattice_points(n, D * unit([30.0, 90.0]))

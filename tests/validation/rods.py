@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import brentq
 
+from asterism.discrete.energies.elements import Elements
 from asterism.discrete.energies.rods.network import (
     RodNetwork,
     bend_params,
@@ -18,7 +19,7 @@ from asterism.discrete.energies.rods.network import (
     twist_params,
 )
 from asterism.discrete.energies.rods.rod import RodBend, RodStretch, RodTwist
-from asterism.discrete.model.state import State
+from asterism.discrete.model.state import State, moved_state
 from asterism.discrete.model.system import System
 from asterism.equilibrium.arrays import Array
 from asterism.equilibrium.linear.backends import make_factor
@@ -52,20 +53,35 @@ class Material:
         return float(self.modulus / (2.0 * (1.0 + self.poisson)) * constant)
 
 
+def rod_energies(network: RodNetwork, printed: Array, rods: Sequence[Material], kappa: float) -> dict[str, Elements]:
+    """Of rods of one plastic; printed (V, 2) mm, rest curvature kappa (1/mm)."""
+    w, h = (np.array([getattr(rods[r], key) for r in network.rod]) for key in ("width", "thickness"))
+    e, poisson = rods[0].modulus, rods[0].poisson
+    inputs, dofs = stencil_inputs(network, len(printed))
+    edge_dofs = (3 * network.edges[:, :, None] + np.arange(3)).reshape(-1, 6)
+    return {
+        "rod_bending": RodBend(inputs, dofs, bend_params(network, printed, e, w, h, np.full(len(w), kappa))),
+        "rod_stretch": RodStretch(edge_dofs, edge_dofs, stretch_params(network, printed, e, w, h)),
+        "rod_twist": RodTwist(inputs, dofs, twist_params(network, printed, e, poisson, w, h)),
+    }
+
+
 def rod_system(
     network: RodNetwork, printed: Array, material: Material, held: Array, load: Array | None = None, kappa: float = 0.0
 ) -> System:
     """The three energies of rods; printed (V, 2) mm, held (3 V + R,), load (3 V,) N, rest curvature kappa (1/mm)."""
-    ones = np.ones(len(network.edges))
-    w, h, e = material.width * ones, material.thickness * ones, material.modulus
-    inputs, dofs = stencil_inputs(network, len(printed))
-    edge_dofs = (3 * network.edges[:, :, None] + np.arange(3)).reshape(-1, 6)
-    parts = {
-        "rod_bending": RodBend(inputs, dofs, bend_params(network, printed, e, w, h, kappa * ones)),
-        "rod_stretch": RodStretch(edge_dofs, edge_dofs, stretch_params(network, printed, e, w, h)),
-        "rod_twist": RodTwist(inputs, dofs, twist_params(network, printed, e, material.poisson, w, h)),
-    }
+    parts = rod_energies(network, printed, [material] * (1 + int(network.rod.max())), kappa)
     return System(parts, len(printed), network.edges, held, load)
+
+
+def crumpled(system: System, state: State) -> State:
+    """Bent, twisted and turned at random, far from flat."""
+    rng = np.random.default_rng(0)
+    for _ in range(4):
+        move, turn = 0.25 * rng.normal(size=state.positions.shape), 0.2 * rng.normal(size=len(system.edges))
+        spin = 0.2 * rng.normal(size=(len(state.frames), 3))
+        state = moved_state(state, system.edges, state.positions + move, turn, spin)
+    return state
 
 
 def flat(system: System, printed: Array) -> State:

@@ -1,13 +1,11 @@
 """What the validation of the shell shares: materials, rates, places, loads brought up in steps."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.newton.minimise import is_definite_on_support
-from asterism.fem.elements.argyris import Argyris
-from asterism.fem.elements.deformation import Deformation
 from asterism.fem.search.mixed_newton import mixed_newton
 from asterism.fem.search.relax import GRADIENT_TOLERANCE
 from asterism.fem.shell.density import Density, isotropic
@@ -82,21 +80,6 @@ def stable(shell: Shell, x: Floats) -> bool:
 def at(shell: Shell, x: Floats, *points: tuple[float, float]) -> Floats:
     """(n, 3) places of printed points."""
     return np.asarray(shell.space.locate(np.array(points)).value @ x)
-
-
-def guess(space: Argyris, place: Callable[[Floats], Floats], step: float) -> Floats:
-    """(N, 3) dofs of a map of printed points (n, 2) to (n, 3), its derivatives by differences over `step` mm."""
-    one, two = step * np.eye(2)
-
-    def gradient(p: Floats) -> Floats:
-        return np.stack([place(p + d) - place(p - d) for d in (one, two)], axis=2) / (2.0 * step)
-
-    def hessian(p: Floats) -> Floats:
-        straight = [place(p + d) + place(p - d) - 2.0 * place(p) for d in (one, two)]
-        mixed = place(p + one + two) + place(p - one - two) - place(p + one - two) - place(p - one + two)
-        return np.stack([*straight, 0.25 * mixed], axis=2) / step**2
-
-    return space.interpolate(Deformation(place, gradient, hessian).jets)
 
 
 def parts(shell: Shell, x: Floats) -> list[float]:

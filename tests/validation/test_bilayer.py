@@ -25,12 +25,7 @@ def strip_curvature(h1: float, h2: float, ratio: float, mismatch: float) -> floa
     return float(np.linalg.lstsq(np.concatenate(rows), np.concatenate(wanted))[0][1])
 
 
-@given(
-    h1=st.floats(0.1, 2.0),
-    h2=st.floats(0.1, 2.0),
-    ratio=st.floats(1.0, 1e4),
-    stretch=st.floats(1.01, 3.0),
-)
+@given(h1=st.floats(0.1, 2.0), h2=st.floats(0.1, 2.0), ratio=st.floats(1.0, 1e4), stretch=st.floats(1.01, 3.0))
 def test_timoshenko_is_the_strip_of_least_energy(h1, h2, ratio, stretch):
     """And its sign: the fabric below shrinks, the strip bends around it, its ends go down."""
     plastic = Plastic(modulus_ratio=ratio, rest_curvature="timoshenko")

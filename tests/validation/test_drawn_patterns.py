@@ -8,13 +8,12 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State
 from asterism.discrete.model.system import System
 from asterism.exact.simulation import exact_shape
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-from asterism.pattern.mesh.meshing import mesh_layout
+from tests.discrete.models import model_of
 from tests.validation.rods import Material, solve
 
 RADIUS_MM, EDGE_MM = 40.0, 3.0
@@ -28,9 +27,7 @@ def test_a_bilayer_ring_turns_its_section_by_the_angle_of_least_energy(
     """The ring alone, whose circle stays. A turn by phi costs `B (sin phi/R - k0)^2 + C (cos phi - 1)^2/R^2`."""
     rods = {"draw": [{"name": "rim", "circle_mm": {"radius": RADIUS_MM}}], "thickness_mm": thickness, "width_mm": width}
     plastic = {"rest_curvature": "none", "kappa_bar_per_mm": kappa}
-    design = Design.from_dict({"rods": rods, "border": {"rods": "rim"}, "plastic": plastic})
-    plan = layout(design)
-    model = DiscreteModel(design, plan, mesh_layout(plan, EDGE_MM))
+    model = model_of({"rods": rods, "border": {"rods": "rim"}, "plastic": plastic}, EDGE_MM)
     path = model.mesh.rods[0][:-1]
     n, third = model.n_vertices, len(path) // 3
     held = np.ones(model.n_dofs, dtype=bool)

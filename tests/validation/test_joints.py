@@ -11,21 +11,16 @@ import scipy.sparse.linalg as spla
 
 from asterism.discrete.energies.rods.joint import RodJoint
 from asterism.discrete.energies.rods.network import (
-    bend_params,
     fitted_frames,
     joint_inputs,
     joint_network,
     joint_params,
     rod_network,
-    stencil_inputs,
-    stretch_params,
-    twist_params,
 )
-from asterism.discrete.energies.rods.rod import RodBend, RodStretch, RodTwist
-from asterism.discrete.model.state import State, moved_state, rotate_vectors
+from asterism.discrete.model.state import State, rotate_vectors
 from asterism.discrete.model.system import System, rigid_motions
 from asterism.equilibrium.arrays import Array
-from tests.validation.rods import Material
+from tests.validation.rods import Material, crumpled, rod_energies
 
 LENGTH_MM = 20.0
 THIN = Material(width=1.2, thickness=0.3)
@@ -72,18 +67,10 @@ def frame(name: str, edges: int, held: bool = True, kappa: float = 0.0) -> Frame
     printed = np.vstack(points)
     network = rod_network(tuple(paths), np.full(len(angles), -1), printed)
     joints = joint_network(tuple(paths), [[(arm, 0) for arm in range(len(angles))]])
-    arms = materials(name)
+    arms, n = materials(name), len(printed)
     w, h = (np.array([getattr(arms[r], key) for r in network.rod]) for key in ("width", "thickness"))
-    e, nu, n = THIN.modulus, THIN.poisson, len(printed)
-    rest = np.full(len(w), kappa)
-    edge_dofs = (3 * network.edges[:, :, None] + np.arange(3)).reshape(-1, 6)
-    stencils = stencil_inputs(network, n)
-    parts = {
-        "stretch": RodStretch(edge_dofs, edge_dofs, stretch_params(network, printed, e, w, h)),
-        "bend": RodBend(*stencils, bend_params(network, printed, e, w, h, rest)),
-        "twist": RodTwist(*stencils, twist_params(network, printed, e, nu, w, h)),
-        "joint": RodJoint(*joint_inputs(joints, n, len(w)), joint_params(joints, printed, e, nu, w, h, rest)),
-    }
+    params = joint_params(joints, printed, THIN.modulus, THIN.poisson, w, h, np.full(len(w), kappa))
+    parts = rod_energies(network, printed, arms, kappa) | {"joint": RodJoint(*joint_inputs(joints, n, len(w)), params)}
     fixed = np.zeros(3 * n + len(w) + 3, dtype=bool)
     if held:
         fixed[[*range(3 * edges - 3, 3 * edges + 3), 3 * n + edges - 1]] = True
@@ -159,16 +146,6 @@ def test_compliance_of_junctions(name):
     assert fine < coarse / 3.5
 
 
-def crumpled(case: Frame) -> State:
-    """Bent, twisted and turned at random, far from flat."""
-    rng, state = np.random.default_rng(0), flat(case)
-    for _ in range(4):
-        move, turn = 0.25 * rng.normal(size=state.positions.shape), 0.2 * rng.normal(size=len(case.system.edges))
-        spin = 0.2 * rng.normal(size=(1, 3))
-        state = moved_state(state, case.system.edges, state.positions + move, turn, spin)
-    return state
-
-
 @pytest.mark.parametrize("name", JUNCTIONS)
 def test_print_is_at_rest(name):
     case = frame(name, 5)
@@ -179,7 +156,7 @@ def test_print_is_at_rest(name):
 @pytest.mark.parametrize("name", JUNCTIONS)
 def test_rigid_motions_cost_nothing_and_forces_balance(name):
     case = frame(name, 4, held=False, kappa=0.05)
-    state, system = crumpled(case), case.system
+    state, system = crumpled(case.system, flat(case)), case.system
     gradient = system.gradient(state)
     motions = rigid_motions(state, system.edges, system.held, system.free)
     assert motions.shape[1] == 6

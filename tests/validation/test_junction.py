@@ -9,7 +9,7 @@ from asterism.discrete.energies.rods.network import RodNetwork, rod_network
 from asterism.discrete.model.state import State, moved_state
 from asterism.discrete.model.system import System
 from asterism.equilibrium.arrays import Array
-from tests.validation.rods import Material, flat, lowest, rod_system, solve
+from tests.validation.rods import Material, crumpled, flat, lowest, rod_system, solve
 
 ARM = Material(width=1.2, thickness=0.3)
 LENGTH, EDGES = 10.0, 6
@@ -28,15 +28,6 @@ def star(directions: Array, kappa: float = 0.0) -> tuple[System, Array, RodNetwo
 
 def regular(n: int) -> Array:
     return -0.5 * np.pi + 2.0 * np.pi * np.arange(n) / n
-
-
-def crumpled(state: State, edges: Array, seed: int = 0) -> State:
-    """Bent and twisted at random, far from flat."""
-    rng = np.random.default_rng(seed)
-    for _ in range(4):
-        move, turn = 0.25 * rng.normal(size=state.positions.shape), 0.2 * rng.normal(size=len(edges))
-        state = moved_state(state, edges, state.positions + move, turn)
-    return state
 
 
 @pytest.mark.parametrize("n", range(2, 9))
@@ -97,7 +88,7 @@ def test_two_joined_halves_are_one_rod():
     halves = rod_network((np.arange(5, -1, -1), np.arange(5, n + 1)), np.array([0, 0]), printed)
     held = np.zeros(3 * (n + 1) + n, dtype=bool)
     one, other = (rod_system(network, printed, ARM, held, kappa=0.05) for network in (whole, halves))
-    state = crumpled(flat(one, printed), one.edges)
+    state = crumpled(one, flat(one, printed))
     # edge k of the halves is this edge of the whole, and its turns count the other way on the first half
     edge = np.concatenate([np.arange(4, -1, -1), np.arange(5, n)])
     sign = np.where(np.arange(n) < 5, -1.0, 1.0)

@@ -35,6 +35,7 @@ from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.mesh import Mesh
 from tests.discrete.plain import plain_energies, plain_gradients, plain_hessians
 from tests.discrete.test_fabric import counterclockwise
+from tests.distances import rms_distance
 
 FOLDER = Path(__file__).parent.parent / "data" / "reference"
 SPACING = 10.0 * np.sqrt(3.0)
@@ -201,13 +202,7 @@ def random_state(data: dict[str, Array]) -> RandomState:
     rod = np.repeat(np.arange(len(ends)), [len(p) - 1 for p in ends])
     arm = rod[own[:, 0]] == rod[own[:, 1]]
     network = RodNetwork(
-        edges,
-        rod,
-        np.zeros(len(edges)),
-        stencils[:, :3],
-        own,
-        np.where(forward, 1.0, -1.0),
-        np.where(arm, 1.0, 0.5),
+        edges, rod, np.zeros(len(edges)), stencils[:, :3], own, np.where(forward, 1.0, -1.0), np.where(arm, 1.0, 0.5)
     )
     sign = np.where(edges[:, 0] < edges[:, 1], 1.0, -1.0)
     angle = (sign * data["X"][3 * n :])[:, None]
@@ -274,12 +269,8 @@ def test_rods(name):
 
 
 def distance(one: Array, other: Array) -> float:
-    """rms distance after rigid alignment (Kabsch), over the diameter."""
-    a, b = one - one.mean(axis=0), other - other.mean(axis=0)
-    u, _, v = np.linalg.svd(a.T @ b)
-    turn = u @ np.diag([1.0, 1.0, np.sign(np.linalg.det(u @ v))]) @ v
-    diameter = np.linalg.norm(np.ptp(b, axis=0))
-    return float(np.sqrt(((a @ turn - b) ** 2).sum(axis=1).mean()) / diameter)
+    """rms distance after rigid alignment, over the diameter."""
+    return rms_distance(one, other) / float(np.linalg.norm(np.ptp(other, axis=0)))
 
 
 @EQUILIBRIA

@@ -14,9 +14,7 @@ from scipy.optimize import brentq
 
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State
-from asterism.pattern.design.design import Design
-from asterism.pattern.layout.build import layout
-from asterism.pattern.mesh.meshing import mesh_layout
+from tests.discrete.models import model_of
 from tests.validation.rods import Material
 
 RADIUS_MM, EDGE_MM = 40.0, 1.5
@@ -35,9 +33,7 @@ def ring(width: float, thickness: float) -> DiscreteModel:
         "border": {"rods": "rim"},
         "mesh": {"edge_mm": EDGE_MM},
     }
-    design = Design.from_dict(data)
-    plan = layout(design)
-    return DiscreteModel(design, plan, mesh_layout(plan, EDGE_MM))
+    return model_of(data)
 
 
 def flat(model: DiscreteModel, size: float) -> State:

@@ -18,6 +18,7 @@ from asterism.discrete.energies.rods.rod import RodStretch
 from asterism.discrete.model.state import State, edge_tangents, moved_state
 from asterism.discrete.model.system import System
 from asterism.equilibrium.arrays import Array
+from asterism.equilibrium.newton.minimise import Minimum
 from tests.validation.rods import (
     Cantilever,
     Material,
@@ -113,6 +114,17 @@ def test_heavy_cantilever(gravity, reach, drop):
 # V7
 
 
+def curled(rod: Cantilever, steps: int) -> Minimum:
+    """The rod without load, its rest curvature brought up in steps."""
+    rest, state = rod.system.parts["rod_bending"].params, flat(rod.system, rod.printed)
+    full = rest[:, 2].copy()
+    for step in range(steps):
+        rest[:, 2] = (step + 1) / steps * full
+        found = solve(rod.system, state, [weight(rod, np.zeros(3))])
+        state = found.state
+    return found
+
+
 @pytest.mark.parametrize(
     ("phi", "gravity", "aside", "drop"),
     [
@@ -124,11 +136,7 @@ def test_naturally_curved_hanging_rod(phi, gravity, aside, drop):
     """Clamped with its tangent down (x is down here); the rest curvature bends it away from the plastic side (-z)."""
 
     def tip(rod: Cantilever) -> tuple[float, ...]:
-        rest = rod.system.parts["rod_bending"].params
-        full, state = rest[:, 2].copy(), flat(rod.system, rod.printed)
-        for part in (0.5, 1.0):
-            rest[:, 2] = part * full
-            state = solve(rod.system, state, [weight(rod, np.zeros(3))]).state
+        state = curled(rod, 2).state
         steps = np.linspace(0.0, gravity, 2 + int(gravity / 3.0))[1:]
         x, _, z = rod.place(solve(rod.system, state, [weight(rod, [g * UNIT, 0.0, 0.0]) for g in steps]).state)
         return -z, x
@@ -141,12 +149,8 @@ def test_curved_rod_without_load_is_a_circle():
     """Zero energy; the polygon's corners turn by 2 atan(phi/(2 n)), as the integrated curvature says."""
     n, phi = 40, 2.0 * np.pi
     rod = cantilever(n, LENGTH, ARM, kappa=phi / LENGTH)
-    rest = rod.system.parts["rod_bending"].params
-    full, state = rest[:, 2].copy(), flat(rod.system, rod.printed)
-    for part in np.linspace(0.0, 1.0, 5)[1:]:
-        rest[:, 2] = part * full
-        result = solve(rod.system, state, [weight(rod, np.zeros(3))])
-        state = result.state
+    result = curled(rod, 4)
+    state = result.state
     assert result.energy < 1e-18 * ARM.about_width / LENGTH
     t = edge_tangents(state.positions, rod.system.edges)
     corner = np.arccos(np.clip((t[1:] * t[:-1]).sum(axis=1), -1.0, 1.0))

@@ -4,28 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.spatial import cKDTree
 
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State
 from asterism.discrete.release.continuation import solve_on_mesh
-from asterism.pattern.layout.build import layout
-from asterism.pattern.mesh.meshing import mesh_layout
 from tests.asterism.previews.designs import edited
+from tests.discrete.models import model_of
 
 
 def model(**sections: dict) -> DiscreteModel:
-    design = edited("star", mesh={"edge_mm": 2.0}, fabric={"bending": "paper"}, **sections)
-    plan = layout(design)
-    return DiscreteModel(design, plan, mesh_layout(plan, design.mesh.edge_mm))
-
-
-def matched(points: np.ndarray, image: np.ndarray) -> np.ndarray:
-    """For every point of `image` the equal one of `points`."""
-    from scipy.spatial import cKDTree
-
-    distance, index = cKDTree(points).query(image)
-    assert distance.max() < 1e-9
-    return index
+    return model_of(edited("star", mesh={"edge_mm": 2.0}, fabric={"bending": "paper"}, **sections))
 
 
 def test_symmetry_direction_and_bump_height() -> None:
@@ -36,7 +25,8 @@ def test_symmetry_direction_and_bump_height() -> None:
     turn = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
     distances = np.linalg.norm(x[:, None] - x[None], axis=2)
     for image in (p @ turn.T, p * [-1.0, 1.0]):
-        other = matched(p, image)
+        apart, other = cKDTree(p).query(image)
+        assert apart.max() < 1e-9
         np.testing.assert_allclose(distances[np.ix_(other, other)], distances, atol=1e-5)
     assert found.is_minimum and found.stars_up == 1
     # about 3.4 mm for l=10, h=.4, w=1.2 and the rod stiffness of an elastic beam

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import builtins
+import sys
 from typing import TypeVar
 
 import numpy as np
@@ -232,14 +232,7 @@ def test_pins_that_push_the_sheet_through_itself_are_refused() -> None:
 
 
 def test_a_missing_package_gives_a_one_line_error(monkeypatch: pytest.MonkeyPatch) -> None:
-    real = builtins.__import__
-
-    def without(name: str, *args: object, **more: object) -> object:
-        if name == "ipctk":
-            raise ImportError(name)
-        return real(name, *args, **more)  # type: ignore[arg-type]
-
-    monkeypatch.setattr(builtins, "__import__", without)
+    monkeypatch.setitem(sys.modules, "ipctk", None)
     with pytest.raises(DesignError, match=r"^solver\.contact: needs the package ipctk: pip install ipctk$"):
         ipc_toolkit()
 

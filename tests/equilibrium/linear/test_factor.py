@@ -170,12 +170,7 @@ def test_not_finite(factor, bad):
 
 @pytest.mark.slow
 @settings(max_examples=100)
-@given(
-    seed=st.integers(0, 2**32 - 1),
-    size=st.integers(1, 30),
-    density=st.floats(0.0, 0.5),
-    shift=st.floats(-2.0, 6.0),
-)
+@given(seed=st.integers(0, 2**32 - 1), size=st.integers(1, 30), density=st.floats(0.0, 0.5), shift=st.floats(-2.0, 6.0))
 def test_verdict_is_that_of_dense_eigenvalues(seed, size, density, shift):
     """Random symmetric matrices of any pattern: also diagonal, of size one, or in parts that are not connected."""
     rng = np.random.default_rng(seed)

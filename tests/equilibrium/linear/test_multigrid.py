@@ -28,9 +28,7 @@ from asterism.equilibrium.newton import certificate
 from asterism.equilibrium.newton.certificate import smallest_eigenvalue
 from asterism.exact.simulation import exact_shape
 from asterism.pattern import gallery
-from asterism.pattern.design.design import Design
-from asterism.pattern.layout.build import layout
-from asterism.pattern.mesh.meshing import mesh_layout
+from tests.discrete.models import tube
 from tests.equilibrium.linear.test_factor import grid_pattern
 
 SIDE = 30
@@ -56,9 +54,7 @@ def shifted(amount: float) -> Floats:
 @pytest.fixture(scope="module")
 def sheet() -> tuple[DiscreteModel, object]:
     """Seven stars, and their equilibrium."""
-    design = Design.from_dict(gallery.load("tube").to_dict() | {"border": {"rings": 1}})
-    plan = layout(design)
-    model = DiscreteModel(design, plan, mesh_layout(plan, 2.5, design.mesh.kind, design.mesh.seed))
+    model = tube(2.5)
     return model, solve_on_mesh(model)
 
 

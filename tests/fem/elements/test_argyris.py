@@ -1,13 +1,14 @@
-"""Argyris triangles: exact for their polynomials, C1, and well conditioned at any place of the sheet."""
+"""Argyris triangles: exact for their polynomials, C1, and well conditioned at any place; which meshes they take."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
-from skfem import MeshTri
+from skfem import MeshTri, MeshTri2
 
 from asterism.equilibrium.arrays import Floats
-from asterism.fem.elements.argyris import POWERS, Argyris, monomials
+from asterism.fem.elements.argyris import POWERS, Argyris, checked_mesh, monomials
+from tests.fem.meshes import rectangle
 
 ORDERS = np.array([0, 1, 1, 2, 2, 2])
 FAR = np.array([1.0e4, -2.0e4])  # mm
@@ -47,6 +48,9 @@ def test_polynomials_are_interpolated_exactly() -> None:
     values = np.einsum("tqm,tmc->tqc", table.values, x[table.dofs])
     assert np.allclose(values, polynomial.jet(table.points.reshape(-1, 2))[..., 0].reshape(values.shape), atol=1e-11)
     assert table.weights.sum() == pytest.approx(260.0**2, rel=1e-13)
+    # a point just outside continues the polynomial
+    corner = (FAR - 0.5)[None]
+    assert np.allclose(element.locate(corner).value @ x, polynomial.jet(corner)[..., 0], atol=1e-11)
 
 
 def test_gradients_do_not_jump() -> None:
@@ -78,9 +82,29 @@ def test_a_point_outside_is_refused_with_its_coordinates() -> None:
         element.locate(np.array([FAR + 1.0, [9000.0, -20000.0]]))
 
 
-def test_a_point_just_outside_continues_the_polynomial() -> None:
-    polynomial = Polynomial(260.0)
-    element = Argyris(far_sheet())
-    x = element.interpolate(lambda p: np.swapaxes(polynomial.jet(p), 1, 2))
-    corner = (FAR - 0.5)[None]
-    assert np.allclose(element.locate(corner).value @ x, polynomial.jet(corner)[..., 0], atol=1e-11)
+SQUARE = rectangle(2, 2, amount=0.2)
+AWAY = np.array([[5.0], [5.0]])
+
+
+def with_nan() -> MeshTri:
+    points = SQUARE.p.copy()
+    points[0, 4] = np.nan
+    return MeshTri(points, SQUARE.t)
+
+
+@pytest.mark.parametrize(
+    ("mesh", "word"),
+    [
+        (lambda: MeshTri2.from_mesh(SQUARE), "straight"),
+        (lambda: MeshTri(SQUARE.p, np.empty((3, 0), dtype=int)), "no triangles"),
+        (with_nan, "not finite"),
+        (lambda: MeshTri(np.hstack([SQUARE.p, AWAY]), SQUARE.t), "vertex 9 belongs to no triangle"),
+        (lambda: MeshTri(np.array([[0, 1, 2, 0.0], [0, 0, 0, 1.0]]), np.array([[0, 1, 2], [0, 2, 3]]).T), "no area"),
+        (lambda: MeshTri(SQUARE.p, np.hstack([SQUARE.t, SQUARE.t[:, :1]])), "more than two"),
+        (lambda: MeshTri(np.hstack([SQUARE.p, SQUARE.p + AWAY]), np.hstack([SQUARE.t, SQUARE.t + 9])), "2 pieces"),
+    ],
+    ids=["curved", "empty", "nan", "unused", "flat", "crowded", "pieces"],
+)
+def test_invalid_meshes_are_refused(mesh, word: str) -> None:
+    with pytest.raises(ValueError, match=f"^mesh: .*{word}"):
+        checked_mesh(mesh())

@@ -9,7 +9,7 @@ from scipy.sparse.linalg import spsolve
 
 from asterism.equilibrium.arrays import Floats
 from asterism.fem.elements.argyris import Argyris, area_load
-from asterism.fem.elements.deformation import Deformation, affine, flat
+from asterism.fem.elements.deformation import affine, flat
 from asterism.fem.supports.conditions import (
     Condition,
     ConditionError,
@@ -22,6 +22,7 @@ from asterism.fem.supports.conditions import (
     vertices_at,
 )
 from tests.fem.hexagons import RADIUS, hexagon
+from tests.fem.maps import by_differences
 from tests.fem.meshes import annulus, facets_where, rectangle, turned
 
 STIFF = 1e7
@@ -123,11 +124,7 @@ def test_plate_clamped_along_its_hole() -> None:
 @pytest.mark.parametrize("clamped", [False, True], ids=["pinned", "clamped"])
 def test_rim_held_at_a_saddle(clamped: bool) -> None:
     """w = x^2 - y^2 is biharmonic: clamped at it everywhere along the rim, the plate takes it; pinned, with nu = 1."""
-    saddle = Deformation(
-        lambda p: np.column_stack([p, p[:, 0] ** 2 - p[:, 1] ** 2]),
-        lambda p: np.stack([np.tile([1.0, 0], (len(p), 1)), np.tile([0, 1.0], (len(p), 1)), p * [2, -2]], axis=1),
-        lambda p: np.tile([[0.0, 0, 0], [0, 0, 0], [2, -2, 0]], (len(p), 1, 1)),
-    )
+    saddle = by_differences(lambda p: np.column_stack([p, p[:, 0] ** 2 - p[:, 1] ** 2]), 1e-2)
     space = Argyris(turned(rectangle(3, 3, amount=0.2), 20.0, (0.0, 0.0)))
     rim = EdgeSupport(space.mesh.boundary_facets(), saddle, clamped=clamped)
     heights = deflection(space, [rim], np.zeros(space.size), NU if clamped else 1.0)
@@ -194,44 +191,47 @@ def test_redundant_equations_are_dropped_and_contradictions_are_named() -> None:
         impose_conditions(space, [rim, PointSupport(corner, np.array([[1.0, 0.0, 0.0]]))]),
     )
     assert once.map.shape == twice.map.shape
-    with pytest.raises(
-        ConditionError, match=r"contradicts other conditions \((corner|rim)\) at \(1, 0\) mm by"
-    ) as error:
+    said = r"contradicts other conditions \((corner|rim)\) at \(1, 0\) mm by"
+    with pytest.raises(ConditionError, match=said) as error:
         impose_conditions(space, [rim, PointSupport(corner, np.array([[1.0, 0.0, 0.2]]), name="corner")])
     assert "\n" not in str(error.value)
 
 
-def test_bad_conditions_are_named() -> None:
-    space = Argyris(rectangle(2, 2))
-    with pytest.raises(ConditionError, match=r"point support \(0.3, 0.2\) mm: .* 0.283 mm"):
-        vertices_at(space.mesh, np.array([[0.3, 0.2]]))
-    with pytest.raises(ConditionError, match=r"point support \(nan, 0\) mm"):
-        vertices_at(space.mesh, np.array([[np.nan, 0.0]]))
-    edge, oblique = space.mesh.boundary_facets(), np.array([[1.0, 1.0, 0.0]])
-    for condition, message in [
-        (EdgeSupport(edge, directions=oblique, name="left"), "left: directions are not independent unit"),
+GRID = Argyris(rectangle(2, 2))
+EDGE = facets_where(GRID.mesh, lambda x, y: x < 1e-9)
+
+
+@pytest.mark.parametrize(
+    ("condition", "message"),
+    [
+        (
+            EdgeSupport(EDGE, directions=np.array([[1.0, 1.0, 0.0]]), name="left"),
+            "left: directions are not independent",
+        ),
+        (EdgeSupport(EDGE, directions=np.array([[np.nan, 0.0, 1.0]])), "directions must be finite"),
         (EdgeSupport(np.array([999]), name="left"), r"left: facets must be in 0 .. \d+"),
+        # a target that collapses to a line or a point has no normal for a clamp
+        (EdgeSupport(EDGE, affine(np.zeros((3, 2))), clamped=True), "no normal along this clamped edge"),
         (PointSupport(np.array([0]), np.zeros((2, 3))), r"points: places \(2, 3\) are not \(1, 3\)"),
         (PointSupport(np.array([0]), np.full((1, 3), np.nan)), "points: places must be finite"),
-    ]:
-        with pytest.raises(ConditionError, match=message):
-            impose_conditions(space, [condition])
+    ],
+)
+def test_bad_conditions_are_named(condition: Condition, message: str) -> None:
+    with pytest.raises(ConditionError, match=message):
+        impose_conditions(GRID, [condition])
+
+
+def test_points_beside_the_vertices_are_named() -> None:
+    with pytest.raises(ConditionError, match=r"point support \(0.3, 0.2\) mm: .* 0.283 mm"):
+        vertices_at(GRID.mesh, np.array([[0.3, 0.2]]))
+    with pytest.raises(ConditionError, match=r"point support \(nan, 0\) mm"):
+        vertices_at(GRID.mesh, np.array([[np.nan, 0.0]]))
 
 
 def test_an_edge_held_in_no_direction_is_free() -> None:
     space = Argyris(rectangle(2, 2))
     found = impose_conditions(space, [EdgeSupport(space.mesh.boundary_facets(), directions=np.empty((0, 3)))])
     assert len(found.free) == 3 * space.size
-
-
-def test_a_clamp_without_normal_is_refused() -> None:
-    """A target that collapses to a line or a point has no normal for a clamp."""
-    mesh = rectangle(2, 2)
-    edge = facets_where(mesh, lambda x, y: x < 1e-9)
-    with pytest.raises(ConditionError, match="no normal along this clamped edge"):
-        impose_conditions(Argyris(mesh), [EdgeSupport(edge, affine(np.zeros((3, 2))), clamped=True)])
-    with pytest.raises(ConditionError, match="directions must be finite"):
-        impose_conditions(Argyris(mesh), [EdgeSupport(edge, directions=np.array([[np.nan, 0.0, 1.0]]))])
 
 
 def test_a_shift_along_edges_stands_for_another_placement() -> None:
@@ -244,13 +244,7 @@ def test_a_shift_along_edges_stands_for_another_placement() -> None:
         result[:, 0, 2], result[:, 1, 2], result[:, 2, 2] = x**2, 2 * x * tangents[:, 0], 2 * tangents[:, 0] ** 2
         return result
 
-    parabola = Deformation(
-        lambda p: np.column_stack([p, p[:, 0] ** 2]),
-        lambda p: np.stack(
-            [np.eye(2)[0] + 0 * p, np.eye(2)[1] + 0 * p, np.column_stack([2 * p[:, 0], 0 * p[:, 1]])], 1
-        ),
-        lambda p: np.tile([[0.0, 0, 0], [0, 0, 0], [2, 0, 0]], (len(p), 1, 1)),
-    )
+    parabola = by_differences(lambda p: np.column_stack([p, p[:, 0] ** 2]), 1e-2)
     facets = space.mesh.boundary_facets()
     placed = impose_conditions(space, [EdgeSupport(facets, parabola)])
     shifted = impose_conditions(space, [EdgeSupport(facets, shift=shift)])

@@ -19,6 +19,7 @@ import pytest
 from asterism.homogenize.campaign import workers
 from asterism.homogenize.campaign.campaign import run_campaign
 from asterism.homogenize.campaign.fit_law import fit_law
+from asterism.homogenize.campaign.kept_samples import SAMPLE_SOURCES
 from asterism.homogenize.campaign.workers import CampaignProgress
 from asterism.homogenize.errors import AddressError, CampaignError
 from asterism.homogenize.law.law_file import law_bytes, law_digest
@@ -26,6 +27,7 @@ from asterism.homogenize.law.material import Material
 from asterism.homogenize.law.plan import LawPlan, SampleRecord
 from tests.event_loop import run_coroutine
 from tests.homogenize import fake, same_process
+from tests.test_rooms import package_of
 
 SMALL = {"lengths_mm": [5.0, 10.0], "thicknesses_mm": [0.2, 0.4], "widths_mm": [1.0, 1.4], "held_out": 2}
 
@@ -189,12 +191,8 @@ def test_interrupted_campaigns_leave_whole_files_and_no_workers(
         "from tests.homogenize.campaign.test_campaign import plan, run_campaign\n"
         "run_campaign(plan(), Path(sys.argv[1]), 2, respond=fake.slow)\n"  # and no main guard
     )
-    root = Path(__file__).parents[3]
     samples = tmp_path / "samples"
-    process = subprocess.Popen(
-        [sys.executable, str(script), str(samples)], env={**__import__("os").environ, "PYTHONPATH": str(root)},
-        stderr=subprocess.DEVNULL,
-    )  # fmt: skip
+    process = subprocess.Popen([sys.executable, str(script), str(samples)], stderr=subprocess.DEVNULL)
     while not (samples.exists() and len(list(samples.glob("*.json"))) >= 2):
         time.sleep(0.02)
         assert process.poll() is None
@@ -212,9 +210,7 @@ def test_interrupted_campaigns_leave_whole_files_and_no_workers(
 def test_dask_gives_the_same_law(tmp_path: Path, records: list[SampleRecord]) -> None:
     distributed = pytest.importorskip("distributed")
     own = fit_law(plan(), records)
-    with distributed.LocalCluster(
-        n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None
-    ) as cluster:  # fmt: skip
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
         records = run_campaign(plan(), tmp_path / "dask", dask=cluster.scheduler_address, respond=fake.solve_cell)
         assert law_bytes(fit_law(plan(), records)) == law_bytes(own)
         # a second run has nothing left to ask the cluster for
@@ -231,9 +227,7 @@ def test_a_cluster_whose_workers_have_gone_is_given_up(tmp_path: Path, monkeypat
     """Its scheduler would keep the cells for workers to come."""
     distributed = pytest.importorskip("distributed")
     monkeypatch.setattr(workers, "MAX_WAIT_FOR_WORKERS_S", 1.0)
-    with distributed.LocalCluster(
-        n_workers=1, threads_per_worker=1, processes=True, dashboard_address=None
-    ) as cluster:  # fmt: skip
+    with distributed.LocalCluster(n_workers=1, threads_per_worker=1, dashboard_address=None) as cluster:
 
         def leave(progress: CampaignProgress) -> None:
             if progress.done == 1:
@@ -316,3 +310,36 @@ def test_a_cluster_that_is_not_there(notebook: bool, tmp_path: Path) -> None:
 
     with pytest.raises(AddressError, match=r"^--dask: no scheduler answers at 'nonsense://x'"):
         run_coroutine(ask_from_a_notebook()) if notebook else ask()
+
+
+# of pattern: what solves a cell imports these too, and takes no number from them
+ASIDE = (
+    # designs and their files: what they say is among the inputs that a sample is named by
+    *("design.design", "design.errors", "design.files", "design.section", "design.stars"),
+    *("design.material_files", "design.spread"),
+    # sizes that vary, outlines, pins and drawings: a cell has none
+    *("design.border", "design.pins", "design.rods", "design.drawings"),
+    *("drawing.dxf", "drawing.read", "drawing.records", "drawing.rhino", "drawing.svg"),
+    *("design.sizing.expression", "design.sizing.grey_image", "design.sizing.profiles"),
+)
+
+
+@pytest.mark.slow
+def test_the_name_of_the_code_stands_for_every_module_that_decides_answers() -> None:
+    script = (
+        "import sys, asterism.homogenize.cell.sample, asterism.homogenize.cell.motif_responses;"
+        "print(*(name for name, module in sys.modules.items() if not hasattr(module, '__path__')))"
+    )
+    loaded = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True, check=True).stdout.split()
+    needed = {name for name in loaded if package_of(name) in {"discrete", "equilibrium", "homogenize", "pattern"}}
+    listed = {
+        ".".join([package.__name__, *file.relative_to(package.__path__[0]).with_suffix("").parts]).removesuffix(
+            ".__init__"
+        )
+        for package, names in SAMPLE_SOURCES.items()
+        for pattern in names
+        for file in Path(package.__path__[0]).glob(pattern)
+    }
+    aside = {f"asterism.pattern.{name}" for name in ASIDE}
+    assert needed - aside <= listed
+    assert aside <= needed and not aside & listed

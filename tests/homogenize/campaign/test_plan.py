@@ -46,12 +46,7 @@ def test_held_out_cells_are_as_long_as_those_the_law_answers_for() -> None:
 
 @pytest.mark.parametrize(
     "data",
-    [
-        {},
-        {"fabric": {"stretch": 1.5}},
-        tomllib.loads(PAPER_MATERIAL.read_text()),
-    ],
-    ids=["default", "own stretch", "paper"],
+    [{}, {"fabric": {"stretch": 1.5}}, tomllib.loads(PAPER_MATERIAL.read_text())],
 )
 def test_plain_data_makes_the_same_material(data: dict) -> None:
     material = Material.from_dict(data)
@@ -202,14 +197,13 @@ def test_cells_of_plates_are_graded_where_their_arms_lie_on_lattice_lines() -> N
     ):
         plan = plan_for_sizes(sheet, SIZES)
         assert plan.design.mesh.graded == graded and plan.edge_mm == pytest.approx(17.3205 / 17, abs=1e-4)
+        assert plan.cell_design(plan.tasks()[-1]).mesh.graded == graded
 
 
-def test_the_design_of_a_cell_is_graded_and_its_sample_has_a_name_of_its_own() -> None:
+def test_samples_of_graded_cells_have_names_of_their_own() -> None:
     plan = plan_for_sizes(plates(), SIZES)
     even = replace(plan, design=Design.from_dict(plan.design.to_dict() | {"mesh": {"graded": False}}))
-    task = plan.tasks()[-1]
-    assert plan.cell_design(task).mesh.graded and not even.cell_design(task).mesh.graded
-    assert sample_name(plan, task) != sample_name(even, task)
+    assert sample_name(plan, plan.tasks()[-1]) != sample_name(even, plan.tasks()[-1])
 
 
 @pytest.mark.parametrize(
@@ -228,10 +222,7 @@ def test_plans_without_graded_cells_are_refused(data: dict[str, Any], words: str
 def test_plate_and_hinges_refuse_the_law_of_each_other() -> None:
     hinges = plates(fabric={"bending": "paper"}, mesh={})
     paper, plate = (StarLaw(plan_for_sizes(each, SIZES), load_law().tables, [], {}) for each in (hinges, plates()))
-    for law, other, names in (
-        (paper, plates(), ("consistent", "paper")),
-        (plate, hinges, ("paper", "consistent")),
-    ):
+    for law, other, names in ((paper, plates(), ("consistent", "paper")), (plate, hinges, ("paper", "consistent"))):
         with pytest.raises(ForeignLaw) as refused:
             law.check(other)
         line = str(refused.value)

@@ -122,10 +122,11 @@ def test_arms_that_overlap_are_refused() -> None:
         mesh({"orientation_deg": 20}, 18.0)
 
 
-def test_points_with_a_hole_are_refused() -> None:
-    corner = np.random.default_rng(1).random((12, 2))
+def test_graded_cells_off_the_lattice_lines_and_points_with_a_hole_are_refused() -> None:
+    with pytest.raises(MeshError, match="lattice lines"):
+        cell_mesh(design(6.0, **GRADED, lattice={"orientation_deg": 10.0}), 3.0)
     with pytest.raises(MeshError, match="hole"):
-        periodic_delaunay(corner, 20.0 * np.eye(2), 0.1, IDENTITY)
+        periodic_delaunay(np.random.default_rng(1).random((12, 2)), 20.0 * np.eye(2), 0.1, IDENTITY)
 
 
 def test_ties_are_decided_alike_in_every_cell() -> None:
@@ -201,11 +202,6 @@ def test_a_graded_one_is_the_mesh_of_a_sheet() -> None:
     theirs = theirs[np.linalg.norm(theirs, axis=1) < 0.8 * 17.32]
     apart = np.linalg.norm(theirs[:, None] - ours, axis=2).min(axis=1)
     assert len(theirs) > 50 and apart.max() < 0.02 * 1.9
-
-
-def test_graded_cells_off_the_lattice_lines_are_refused() -> None:
-    with pytest.raises(MeshError, match="lattice lines"):
-        cell_mesh(design(6.0, **GRADED, lattice={"orientation_deg": 10.0}), 3.0)
 
 
 def test_graded_bare_fabric_is_even() -> None:

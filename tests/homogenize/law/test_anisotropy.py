@@ -94,11 +94,7 @@ def test_bare_fabric_bends_as_its_plate() -> None:
 
 @pytest.mark.slow
 @settings(max_examples=10)
-@given(
-    axis=st.floats(0.0, np.pi),
-    across=st.floats(0.4, 2.5),
-    more=st.floats(-0.6, 0.6),
-)
+@given(axis=st.floats(0.0, np.pi), across=st.floats(0.4, 2.5), more=st.floats(-0.6, 0.6))
 def test_an_orthotropic_sheet_is_found_whatever_its_axes(axis: float, across: float, more: float) -> None:
     """But for its Gaussian curvature: tubes in six directions want and gain the same."""
     turn = turned(axis)

@@ -1,4 +1,7 @@
-"""The law: exact where it must be, smooth, never silent out of its range, refused where it does not belong."""
+"""The law: exact where it must be, smooth, never silent out of its range, refused where it does not belong.
+
+The law that comes with the package: how good it says it is, and what it is made of.
+"""
 
 from __future__ import annotations
 
@@ -18,12 +21,12 @@ from scipy.interpolate import Akima1DInterpolator, CubicSpline, PchipInterpolato
 from asterism.equilibrium.arrays import Floats
 from asterism.homogenize.campaign.fit_law import fill_failed_rows, fit_law, held_out_errors, sample_quantities
 from asterism.homogenize.campaign.kept_samples import attempt
-from asterism.homogenize.errors import CampaignError, ForeignLaw, LawError
+from asterism.homogenize.errors import CampaignError, LawError
 from asterism.homogenize.law.hermite_grid import HermiteGrid, SlopeRule, node_slopes
 from asterism.homogenize.law.law_file import law_bytes, law_digest, load_law
-from asterism.homogenize.law.material import Material
+from asterism.homogenize.law.material import PAPER_MATERIAL, Material, load_material
 from asterism.homogenize.law.plan import CellTask, LawPlan, SampleRecord
-from asterism.homogenize.law.star_law import QUANTITY_NAMES, StarLaw, to_stored
+from asterism.homogenize.law.star_law import MAX_SEPARATED_CURL, QUANTITY_NAMES, StarLaw, to_stored
 from asterism.pattern.design.design import Design
 from tests.homogenize import fake
 
@@ -54,11 +57,17 @@ def fitted(plan: LawPlan, respond: Any, tasks: list[CellTask] | None = None) -> 
 LAW = law()
 
 
+def npz(**arrays: Any) -> bytes:
+    file = io.BytesIO()
+    np.savez(file, **arrays)
+    return file.getvalue()
+
+
 def spoiled(path: Path, **changes: Any) -> Path:
     """The file of the law with other arrays."""
     with np.load(io.BytesIO(law_bytes(LAW))) as archive:
         arrays = {name: np.array(archive[name]) for name in archive.files}
-    np.savez(path, **arrays | {name: change(arrays[name]) for name, change in changes.items()})
+    path.write_bytes(npz(**arrays | {name: change(arrays[name]) for name, change in changes.items()}))
     return path
 
 
@@ -255,25 +264,18 @@ def test_a_law_from_before_a_size_was_known_is_for_its_usual_value(tmp_path: Pat
 
 
 def test_files_that_are_no_laws(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    path = tmp_path / "law.npz"
-    for content, word in ((b"", "not a law"), (b"PK nonsense", "not a law"), (law_bytes(LAW)[:900], "damaged")):
+    path, cut = tmp_path / "law.npz", io.BytesIO()
+    header = b"{'descr': '<i8', 'fortran_order': False, 'shape': (L,".ljust(117) + b"\n"
+    with zipfile.ZipFile(cut, "w") as archive:
+        archive.writestr("format.npy", b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header + bytes(8))
+    no_array = npz(format=np.array({"a": 1}, dtype=object))
+    for content in (b"", b"PK nonsense", law_bytes(LAW)[:900], npz(a=np.zeros(3)), no_array, cut.getvalue()):
         path.write_bytes(content)
-        with pytest.raises(LawError, match=word) as caught:
+        with pytest.raises(LawError, match="is not a law") as caught:
             load_law(path)
         assert str(path) in str(caught.value) and "\n" not in str(caught.value)
-    np.savez(path, a=np.zeros(3))
-    with pytest.raises(LawError, match="not a law"):
-        load_law(path)
     with pytest.raises(LawError, match="cannot be read: No such file"):
         load_law(tmp_path / "none.npz")
-    np.savez(path, format=np.array({"a": 1}, dtype=object))
-    with pytest.raises(LawError):
-        load_law(path)
-    header = b"{'descr': '<i8', 'fortran_order': False, 'shape': (L,".ljust(117) + b"\n"  # which is cut
-    with zipfile.ZipFile(path, "w") as archive:
-        archive.writestr("format.npy", b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header + bytes(8))
-    with pytest.raises(LawError, match="is not a law, or damaged"):
-        load_law(path)
     path.write_bytes(law_bytes(LAW))
     monkeypatch.setattr("asterism.homogenize.law.law_file.LAW_FORMAT", 99)
     with pytest.raises(LawError, match="has format 5, this version reads 99; make it again"):
@@ -295,18 +297,17 @@ def test_a_byte_that_changed_is_told_in_one_line(tmp_path: Path) -> None:
     assert told > 60
 
 
-@pytest.mark.filterwarnings("error::RuntimeWarning")
-@pytest.mark.parametrize("number", range(3))
-def test_laws_of_impossible_numbers_are_damaged(number: int, tmp_path: Path) -> None:
+def zero_size(number: int) -> Any:
     plan = LAW.plan.to_dict()
     plan["sizes"][number]["nodes"][0] = 0.0
-    with pytest.raises(LawError, match="damaged"):
-        load_law(spoiled(tmp_path / "law.npz", plan=lambda _: packed(plan)))
+    return lambda _: packed(plan)
 
 
+@pytest.mark.filterwarnings("error::RuntimeWarning")
 @pytest.mark.parametrize(
     ("name", "changed"),
     [
+        *(("plan", zero_size(number)) for number in range(3)),
         ("made", lambda _: packed([])),
         ("residuals", lambda _: packed({"1.35": {"held_out": {}}})),
         ("0/stored", lambda stored: np.where(np.arange(stored.size).reshape(stored.shape) == 9, np.nan, stored)),
@@ -315,7 +316,7 @@ def test_laws_of_impossible_numbers_are_damaged(number: int, tmp_path: Path) -> 
         ("1/stored", lambda stored: stored[1:]),
     ],
 )
-def test_laws_whose_parts_are_of_different_laws_are_damaged(name: str, changed: Any, tmp_path: Path) -> None:
+def test_laws_of_impossible_numbers_or_parts_of_others_are_damaged(name: str, changed: Any, tmp_path: Path) -> None:
     with pytest.raises(LawError, match="is not a law, or damaged"):
         load_law(spoiled(tmp_path / "law.npz", **{name: changed}))
 
@@ -335,16 +336,10 @@ def test_stars_turned_by_half_a_turn_have_their_relief_turned() -> None:
         assert np.abs(heights[turn] - heights[0.0]).max() > 0.1
 
 
-def test_a_measured_material_may_be_typed_as_it_was_printed() -> None:
-    """In four digits; a fifth of a percent of E1/E2 is a fifth of a percent of the curvature."""
-    LAW.check(design(plastic__modulus_ratio=3203.0))
-    for change in ({"plastic__modulus_ratio": 3210.0}, {"plastic__kappa_bar_per_mm": 1e-4}):
-        with pytest.raises(ForeignLaw, match="another material"):
-            LAW.check(design(**change))
-
-
 def test_a_law_says_for_which_designs_it_is() -> None:
     assert LAW.check(design()).stretch == 1.35 and LAW.check(design(fabric__stretch=1.75)).stretch == 1.75
+    # in the four digits of a measured material; a fifth of a percent of E1/E2 is a fifth of a percent of the curvature
+    LAW.check(design(plastic__modulus_ratio=3203.0))
     # what does not change the shape of a sheet without weight, or is the same star after a turn
     LAW.check(design(fabric__modulus_mpa=1.0, fabric__density_kg_m3=100.0))
     for turn in (-180.0, 60.0, 120.0):
@@ -368,8 +363,8 @@ def test_a_law_says_for_which_designs_it_is() -> None:
         ({"fabric__modulus_mpa": [8.0, 4.0]}, "fabric.modulus_mpa = 8 MPa along and 4 MPa across the grain at 0 deg"),
         ({"fabric__thickness_mm": 0.7}, "fabric.thickness_mm = 0.7: the law is for another material, of 0.8"),
         ({"fabric__bending": "consistent"}, "fabric.bending = consistent: the law is for another material"),
-        ({"plastic__modulus_ratio": 3000.0}, "plastic.modulus_ratio = 3000.0: the law is for another"),
-        ({"plastic__kappa_bar_per_mm": 0.001}, "plastic.kappa_bar_per_mm"),
+        ({"plastic__modulus_ratio": 3210.0}, "plastic.modulus_ratio = 3210.0: the law is for another material"),
+        ({"plastic__kappa_bar_per_mm": 1e-4}, "plastic.kappa_bar_per_mm = 0.0001: the law is for another material"),
         ({"lattice__spacing_mm": 18.0}, "lattice.spacing_mm"),
         ({"lattice__arms": 6}, "lattice.arms"),
         ({"lattice__orientation_deg": 30.0}, "lattice.orientation_deg = 30.0: the law is for another lattice, of 0.0"),
@@ -468,3 +463,51 @@ def test_slopes_are_those_of_scipy(rule: SlopeRule, steps: Floats, data: st.Data
 def test_straight_lines_have_their_slope(rule: SlopeRule, count: int) -> None:
     nodes = np.arange(count) ** 1.5
     np.testing.assert_allclose(node_slopes(nodes, 2.0 - 3.0 * nodes, 0, rule), -3.0, rtol=1e-12)
+
+
+@pytest.fixture(scope="module")
+def papers() -> StarLaw:
+    return load_law()
+
+
+def test_it_is_of_the_plan_that_comes_with_it(papers: StarLaw) -> None:
+    """And says by which command, with which versions, on what machine and in what time."""
+    assert papers.plan == load_material(PAPER_MATERIAL).law_plan()
+    assert papers.made["command"] == "asterism calibrate"
+    assert {"asterism", "numpy", "scipy"} <= set(papers.made["versions"]) and papers.made["machine"]["cores"] > 0
+    assert papers.made["cell_seconds"] > 0.0
+
+
+@pytest.mark.parametrize("stretch", ["1.35", "1.75"])
+def test_cells_that_it_has_not_seen(papers: StarLaw, stretch: str) -> None:
+    """Over the stated range, in percent of the cell."""
+    held = papers.residuals[stretch]["held_out"]
+    assert held["count"] + held["tight"]["count"] == papers.plan.held_out and held["count"] > 20
+    typical = {"lam": 0.05, "lam_n": 0.05, "kappa": 1.0, "bending": 1.0}
+    assert all(held["errors"][name]["median_percent"] < percent for name, percent in typical.items())
+    allowed = {"lam": 0.2, "lam_n": 0.2, "kappa": 8.0, "bending": 8.0}
+    worst = {name: held["errors"][name]["largest_percent"] for name in allowed}
+    assert all(worst[name] < percent for name, percent in allowed.items()), worst
+    for cell in held["cells"]:
+        (a, b), (own, other) = ((cell[which]["a11"], cell[which]["a12"]) for which in ("law", "cell"))
+        if not cell["tight"]:
+            assert _size(a - own, b - other) < 0.08 * _size(own, other), cell
+
+
+def _size(a11: float, a12: float) -> float:
+    """Frobenius norm of an isotropic plane stiffness."""
+    return float(np.sqrt(2.0 * a11**2 + 2.0 * a12**2 + (a11 - a12) ** 2))
+
+
+def test_every_cell_of_the_stated_range_bumps_up(papers: StarLaw) -> None:
+    seen = 0
+    for cell in papers.samples:
+        found = cell["sample"]
+        assert found is not None, cell
+        curl = np.mean(found["natural_curvature"]) * found["spacing_mm"]
+        if curl > MAX_SEPARATED_CURL or cell["length_mm"] == 0.0:
+            continue
+        seen += 1
+        assert cell["problem"] is None, cell
+        assert min(found["natural_bump_mm"]) > 0.0
+    assert seen > 0.6 * len(papers.samples)

@@ -1,4 +1,4 @@
-"""The law of a motif: nodes, range, files, refusals."""
+"""The law of a motif: nodes, range, files, refusals, and turns of the axes; laws from real cells."""
 
 from __future__ import annotations
 
@@ -9,16 +9,21 @@ from typing import Any
 import numpy as np
 import pytest
 
-from asterism.homogenize.campaign.campaign import run_campaign
+from asterism.equilibrium.arrays import Floats
+from asterism.homogenize.campaign.campaign import SolveCell, run_campaign
 from asterism.homogenize.campaign.fit_law import fit_law, motif_tensors
+from asterism.homogenize.cell.motif_responses import motif_responses
 from asterism.homogenize.errors import CampaignError, ForeignLaw, LawError
 from asterism.homogenize.law.law_file import law_bytes, law_digest, load_law
-from asterism.homogenize.law.motif_law import MotifLaw, MotifValues
+from asterism.homogenize.law.motif_law import MotifLaw, MotifTable, MotifValues, tensor_errors
+from asterism.homogenize.law.plan import LawPlan, Size
+from asterism.homogenize.law.tensor_forms import SheetTensors, stored_tensors
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout as layout_of
 from tests.homogenize import same_process
+from tests.homogenize.law.test_anisotropy import turned as turned_voigt
 from tests.homogenize.motif_laws import learned_law, made_up
-from tests.homogenize.motifs import grid
+from tests.homogenize.motifs import grid, motif_design, parallel
 
 THICKNESS = {"profile": "radial", "from": 0.4, "to": 0.6, "over_mm": 30.0}
 WIDTH = {"profile": "linear", "from": 0.8, "to": 1.6, "start_mm": [-30.0, 0.0], "end_mm": [30.0, 0.0]}
@@ -32,9 +37,12 @@ def design(thickness: Any = 0.4, width: Any = 1.2, own: dict[str, Any] | None = 
     return Design.from_dict({"rods": rods, "lattice": lattice, "border": {"rectangle_mm": (60, 60)}} | more)
 
 
-def law_of(sheet: Design, folder: Path, monkeypatch: pytest.MonkeyPatch) -> MotifLaw:
+def law_of(
+    sheet: Design, folder: Path, monkeypatch: pytest.MonkeyPatch, respond: SolveCell | None = made_up
+) -> MotifLaw:
+    """From real cells if nothing responds in their place."""
     same_process.use(monkeypatch)
-    return learned_law(sheet, folder)
+    return learned_law(sheet, folder, respond)
 
 
 @pytest.fixture
@@ -191,3 +199,88 @@ def test_sizes_that_vary_together_need_only_cells_around_them(
     points = np.random.default_rng(0).uniform(-29.0, 29.0, (50, 2))
     for ours, known in zip(*(parts(each.evaluate_at(sheet, points)) for each in (some, whole)), strict=True):
         np.testing.assert_allclose(ours, known, atol=5e-3 * np.abs(known).max())
+
+
+def random_tensors(count: int, seed: int = 3) -> SheetTensors:
+    rng = np.random.default_rng(seed)
+
+    def positive(k: int) -> Floats:
+        root = rng.normal(size=(count, k, k))
+        return np.asarray(root @ np.swapaxes(root, 1, 2) + 0.1 * np.eye(k))
+
+    metric, stiffness = positive(2), np.zeros((count, 6, 6))
+    stiffness[:, :3, :3], stiffness[:, 3:, 3:] = 100.0 * positive(3), 5.0 * positive(3)
+    return SheetTensors(
+        np.stack([metric[:, 0, 0], metric[:, 1, 1], metric[:, 0, 1]], axis=-1),
+        stiffness,
+        0.02 * rng.normal(size=(count, 3)),
+    )
+
+
+def turned(tensors: SheetTensors, angle: float) -> SheetTensors:
+    """The tensors of the same sheet after a turn by an angle (rad)."""
+    c, s = np.cos(angle), np.sin(angle)
+    plain = np.array([[c * c, s * s, -2 * c * s], [s * s, c * c, 2 * c * s], [c * s, -c * s, c * c - s * s]])
+    both = np.kron(np.eye(2), turned_voigt(angle))
+    return SheetTensors(tensors.metric @ plain.T, both.T @ tensors.stiffness @ both, tensors.curvature @ plain.T)
+
+
+def difference(one: SheetTensors, other: SheetTensors) -> float:
+    pairs = ((one.metric, other.metric), (one.stiffness, other.stiffness), (one.curvature, other.curvature))
+    return max(float(np.abs(a - b).max() / np.abs(b).max()) for a, b in pairs)
+
+
+def test_the_table_of_a_turned_motif_is_the_turned_table() -> None:
+    nodes = Size("thickness_mm", (0.3, 0.35, 0.45, 0.6), (0,)), Size("width_mm", (0.8, 1.2, 1.6), (0,))
+    plan = LawPlan(motif_design(parallel()), nodes, (1.35,), 2.0)
+    cells, angle = random_tensors(12), 0.7
+    sizes = np.column_stack([np.linspace(0.31, 0.59, 9), np.linspace(1.5, 0.9, 9)])
+    solved = np.ones((4, 3), dtype=bool)
+
+    def at(tensors: SheetTensors) -> SheetTensors:
+        return MotifTable(plan, 1.35, stored_tensors(tensors).reshape(4, 3, -1), solved)(sizes)
+
+    plain, other = at(cells), at(turned(cells, angle))
+    assert difference(other, turned(plain, angle)) < 1e-10
+    # and the errors do not depend on the axes
+    elsewhere = random_tensors(9, seed=8)
+    np.testing.assert_allclose(
+        tensor_errors(turned(plain, angle), turned(elsewhere, angle)), tensor_errors(plain, elsewhere), rtol=1e-8
+    )
+
+
+THINNER = {"profile": "radial", "from": 0.5, "to": 0.4, "over_mm": 30.0}
+
+
+def tensors_at(law: MotifLaw, design: Design, points: np.ndarray) -> SheetTensors:
+    values = law.evaluate_at(design, points)
+    return SheetTensors(values.metric, values.stiffness, values.curvature)
+
+
+@pytest.mark.slow
+def test_left_out_sizes_are_within_the_stated_errors(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    motif, lattice = parallel()
+    rods = {"motif": motif, "thickness_mm": THINNER}
+    sheet = {"rods": rods, "lattice": lattice, "border": {"rectangle_mm": (60, 60)}, "mesh": {"edge_mm": 2.5}}
+    sheet["fabric"] = {"bending": "paper"}
+    design = Design.from_dict(sheet)
+    law = law_of(design, tmp_path, monkeypatch, None)
+    stated = [each["largest_percent"] for each in law.residuals["1.35"]["held_out"]["errors"].values()]
+    for radius in (4.0, 17.0):
+        thickness = 0.5 - 0.1 * radius / 30.0
+        cell = motif_tensors(motif_responses(motif_design(parallel(), thickness), 2.5).to_dict())
+        errors = tensor_errors(tensors_at(law, design, np.array([[radius, 0.0]])), cell)[0]
+        assert (errors <= 2.0 * np.array(stated) + 0.01).all(), (errors, stated)
+        assert errors.max() < 0.5
+
+
+@pytest.mark.slow
+def test_unequal_stretch_has_a_law(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """With the stretches of x and y exchanged, a square grid has the law turned by 90 degrees, up to its mesh."""
+    designs = [motif_design(grid(), 0.5, fabric={"stretch": pair}) for pair in ([1.35, 1.15], [1.15, 1.35])]
+    laws = [law_of(each, tmp_path / str(number), monkeypatch, None) for number, each in enumerate(designs)]
+    plain, other = (tensors_at(law, each, np.zeros((1, 2))) for law, each in zip(laws, designs, strict=True))
+    assert (tensor_errors(other, turned(plain, np.pi / 2))[0] < [0.01, 0.1, 1.5, 1.0]).all()
+    assert abs(plain.curvature[0, 0]) > 1.2 * abs(plain.curvature[0, 1])
+    with pytest.raises(ForeignLaw, match=r"fabric.stretch = \[1.15, 1.35\]: the law was made for \[1.35, 1.15\]"):
+        laws[0].check(designs[1])

@@ -1,10 +1,20 @@
-"""Rest curvature of an arm against the paper's Eq. (1) and Timoshenko's strip."""
+"""Rest curvature of an arm against the paper's Eq. (1) and Timoshenko's strip.
+
+Measured materials by name or file, and the section `[material]` of a design.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
+from asterism.pattern.design import files as user_files
 from asterism.pattern.design.design import Design, save_design
 from asterism.pattern.design.errors import DesignError
+from asterism.pattern.design.material_files import material_files, material_path, own_material_path
 from asterism.pattern.design.materials import (
     HINGES_POISSON,
     MAX_EXPONENT,
@@ -14,6 +24,7 @@ from asterism.pattern.design.materials import (
     rest_curvature,
     rest_twist,
 )
+from asterism.pattern.design.spread import Spread
 from asterism.pattern.layout.build import load_design
 
 
@@ -58,19 +69,6 @@ def knit(**fabric: object) -> Fabric:
     return Fabric.model_validate({"modulus_mpa": [9.0, 4.0], **fabric})
 
 
-def test_a_grain_survives_the_file(tmp_path):
-    fabric = {
-        "modulus_mpa": [9.0, 4.0],
-        "shear_modulus_mpa": 1.5,
-        "grain_deg": 30.0,
-        "bending_stiffness_n_mm": [0.4, 0.3],
-    }
-    design = Design.from_dict({"stars": {"length_mm": 10}, "border": {"rings": 0}, "fabric": fabric})
-    save_design(design, tmp_path / "knit.toml")
-    assert load_design(tmp_path / "knit.toml") == design
-    assert design.fabric.moduli == (9.0, 4.0) and design.fabric.modulus == 6.0
-
-
 def test_equal_moduli_are_one_modulus():
     one, two = Fabric(modulus_mpa=7.0), Fabric(modulus_mpa=(7.0, 7.0), grain_deg=20.0)
     assert not two.is_orthotropic and two.exponents == (1.0, 1.0)
@@ -81,6 +79,7 @@ def test_equal_moduli_are_one_modulus():
 def test_default_shear_modulus(moduli):
     """Huber's where the membrane is polyconvex with it."""
     fabric = Fabric(modulus_mpa=moduli)
+    assert fabric.moduli == moduli and fabric.modulus == np.sqrt(np.prod(moduli))
     huber = fabric.modulus / (2 * (1 + fabric.poisson))
     assert fabric.shear_modulus == pytest.approx(min(huber, fabric.shear_range[1]))
     assert (fabric.shear_modulus < 0.99 * huber) == (max(moduli) == 16.0)
@@ -96,12 +95,8 @@ def test_bending_by_direction(bending):
     np.testing.assert_allclose([d11, d22, d12], moment * np.array([9.0, 4.0, ratio * 6.0]))
     assert d66 == pytest.approx(0.5 * (1 - ratio) * moment * 6.0)
     assert knit(bending=bending, shear_modulus_mpa=1.2).bending_tensor.d66 == pytest.approx(d66 * 1.2 * 2.6 / 6.0)
-    assert Fabric(bending="consistent", modulus_mpa=7.0, bending_stiffness_n_mm=(0.4, 0.1)).bending_tensor == (
-        0.4,
-        pytest.approx(0.3 * 0.2),
-        0.1,
-        pytest.approx(0.35 * 0.2),
-    )
+    measured = Fabric(bending="consistent", modulus_mpa=7.0, bending_stiffness_n_mm=(0.4, 0.1)).bending_tensor
+    np.testing.assert_allclose(measured, [0.4, 0.3 * 0.2, 0.1, 0.35 * 0.2])
 
 
 def test_rest_curvature_by_direction():
@@ -144,3 +139,95 @@ def test_arms_carry_the_stress_of_the_fabric_below_them(stretch):
     assert float(rest_curvature(h1, fabric, plastic, t)) == pytest.approx(lever * 2 * tension / e_plastic, rel=1e-12)
     twist = lever * shear / (e_plastic / (2 * (1 + plastic.poisson)))
     assert float(rest_twist(h1, fabric, plastic, t)) == pytest.approx(twist, rel=1e-12)
+
+
+MATERIAL = """
+name = "soft"
+[measured]
+source = "strips.csv"
+date = "2026-11-25"
+[fabric]
+thickness_mm = 0.5
+stretch = 1.5
+[plastic]
+modulus_ratio = 900.0
+"""
+SHEET: dict[str, Any] = {"stars": {"length_mm": 8.0}, "border": {"rings": 1}}
+
+
+@pytest.fixture
+def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The list of materials of a user who has one."""
+    monkeypatch.delenv(user_files.PROFILES_VARIABLE, raising=False)
+    monkeypatch.setattr(user_files, "user_folder", lambda: tmp_path / "home")
+    (tmp_path / "home" / "materials").mkdir(parents=True)
+    (tmp_path / "home" / "materials" / "soft.toml").write_text(MATERIAL)
+    (tmp_path / "near.toml").write_text(MATERIAL.replace("900", "800"))
+    return tmp_path
+
+
+def test_the_list_has_the_materials_of_the_user_and_of_the_package(home: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert list(material_files()) == ["paper", "soft"]
+    lab = home / "lab" / "materials"
+    lab.mkdir(parents=True)
+    (lab / "soft.toml").write_text(MATERIAL)
+    monkeypatch.setenv(user_files.PROFILES_VARIABLE, str(home / "lab"))
+    assert material_files()["soft"] == lab / "soft.toml"
+    assert own_material_path("new", "--save") == lab / "new.toml"
+    assert material_path("near.toml", "--material", home) == home / "near.toml"
+    with pytest.raises(DesignError, match=r"--material = 'wool': must be a file \(.toml\) or a name: paper, soft"):
+        material_path("wool", "--material")
+    for name in ("", "a/b", "../x", "paper"):
+        with pytest.raises(DesignError, match="--save"):
+            own_material_path(name, "--save")
+
+
+@pytest.mark.parametrize(("file", "ratio"), [("soft", 900.0), ("near.toml", 800.0)])
+def test_a_design_takes_the_values_of_its_material(home: Path, file: str, ratio: float) -> None:
+    design = Design.from_dict(SHEET | {"material": {"file": file}}, home)
+    assert (design.plastic.modulus_ratio, design.fabric.thickness_mm, design.fabric.stretch) == (ratio, 0.5, 1.5)
+    assert "thickness_mm" in design.fabric.model_fields_set and design.material is None
+    # its own stretch stays
+    own = SHEET | {"material": {"file": file}, "fabric": {"stretch": 1.35}}
+    assert Design.from_dict(own, home).fabric.stretch == 1.35
+    # the design is complete without the file
+    assert Design.from_dict(design.to_dict(), "elsewhere") == design
+    save_design(design, home / "whole.toml")
+    assert load_design(home / "whole.toml") == design
+
+
+def test_a_design_takes_the_intervals_of_its_material(home: Path) -> None:
+    assert "spread" not in Design.from_dict(SHEET).to_dict()
+    (home / "near.toml").write_text(f"{MATERIAL}[spread]\nmodulus_ratio_factor = 1.05\n")
+    design = Design.from_dict(SHEET | {"material": {"file": "near.toml"}, "spread": {"stretch_percent": 3.0}}, home)
+    assert design.spread == Spread(modulus_ratio_factor=1.05, stretch_percent=3.0)
+    assert Design.from_dict(design.to_dict()) == design
+
+
+def test_a_law_lies_beside_the_design(home: Path) -> None:
+    design = Design.from_dict(SHEET | {"material": {"law": "soft.npz"}}, home)
+    assert design.material is not None and design.material.law == str(home / "soft.npz")
+    assert Design.from_dict(design.to_dict(), "elsewhere") == design
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        ({"material": {"file": "wool"}}, r"material.file = 'wool': must be a file"),
+        ({"material": {"file": "none.toml"}}, r"none.toml: cannot be read"),
+        ({"material": {"file": "empty.toml"}}, r"material.file = 'empty.toml': must have values in \[fabric\]"),
+        ({"material": {"file": "wrong.toml"}}, r"wrong.toml: plastic.modulus_ratio = -1.*: must be at least 1"),
+        ({"material": {"file": ""}}, r"material.file = ''"),
+        ({"material": {"fil": "soft"}}, r"material.fil = 'soft': unknown key, did you mean file"),
+        ({"material": "soft"}, r"material"),
+        (
+            {"material": {"file": "soft"}, "plastic": {"modulus_ratio": 3200.0}},
+            r"plastic.modulus_ratio = 3200.0: is given by material.file = 'soft' too: remove one",
+        ),
+    ],
+)
+def test_mistakes_are_named(home: Path, more: dict[str, Any], said: str) -> None:
+    (home / "empty.toml").write_text("name = 'empty'\n")
+    (home / "wrong.toml").write_text("[plastic]\nmodulus_ratio = -1.0\n")
+    with pytest.raises(DesignError, match=said):
+        Design.from_dict(SHEET | more, home)

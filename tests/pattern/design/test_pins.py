@@ -1,4 +1,4 @@
-"""Pins: which places of the sheet are held, and where."""
+"""Pins: which places of the sheet are held, and where; those further apart than fabric stretches are refused."""
 
 import numpy as np
 import pytest
@@ -10,9 +10,13 @@ from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.meshing import mesh_layout
 
 
+def plan(*tables, border=None, **more):
+    border = border or {"rectangle_mm": [100, 60]}
+    return layout(Design.from_dict({"stars": {"length_mm": 10}, "border": border, "pins": list(tables), **more}))
+
+
 def pins(*tables, border=None):
-    design = {"stars": {"length_mm": 10}, "border": border or {"rectangle_mm": [100, 60]}, "pins": list(tables)}
-    return layout(Design.from_dict(design)).pins
+    return plan(*tables, border=border).pins
 
 
 def test_border_scaled():
@@ -21,16 +25,18 @@ def test_border_scaled():
     np.testing.assert_allclose(held.places(np.array([[10.0, -20.0]])), [[7.4, -14.8, 0]])
 
 
-def test_some_corners_moved():
-    (held,) = pins({"corners": [0, 2], "offset_mm": [1, 2, 3]})
-    np.testing.assert_allclose(held.points, [[-50, -30], [50, 30]])
-    np.testing.assert_allclose(held.places(held.points), [[-49, -28, 3], [51, 32, 3]])
-
-
-@pytest.mark.parametrize("target", [[1, 2, 3], [[1, 2, 3]]])
-def test_target(target):
-    (held,) = pins({"points_mm": [[10, 5]], "target_mm": target})
-    np.testing.assert_allclose(held.places(held.points), [[1, 2, 3]])
+@pytest.mark.parametrize(
+    ("table", "printed", "places"),
+    [
+        ({"corners": [0, 2], "offset_mm": [1, 2, 3]}, [[-50, -30], [50, 30]], [[-49, -28, 3], [51, 32, 3]]),
+        ({"points_mm": [[10, 5]], "target_mm": [1, 2, 3]}, [[10, 5]], [[1, 2, 3]]),
+        ({"points_mm": [[10, 5]], "target_mm": [[1, 2, 3]]}, [[10, 5]], [[1, 2, 3]]),
+    ],
+)
+def test_places_of_points(table, printed, places):
+    (held,) = pins(table)
+    np.testing.assert_allclose(held.points, printed)
+    np.testing.assert_allclose(held.places(held.points), places)
 
 
 @pytest.mark.parametrize(
@@ -91,12 +97,7 @@ def test_corners_of_a_finely_drawn_outline_may_be_close():
     ],
 )
 def test_pins_that_pull(tables, pulled):
-    assert (
-        layout(
-            Design.from_dict({"stars": {"length_mm": 10}, "border": {"rectangle_mm": [100, 60]}, "pins": tables})
-        ).is_supported_in_plane
-        == pulled
-    )
+    assert plan(*tables).is_supported_in_plane == pulled
 
 
 @pytest.mark.parametrize(
@@ -112,15 +113,13 @@ def test_pins_that_pull(tables, pulled):
 )
 def test_points_beside_the_plastic_are_on_it(written, place):
     """No mesh has good triangles between a pin and an arm that are nearer than a needle is thick."""
-    data = {"stars": {"length_mm": 10}, "border": {"rings": 1}, "pins": [{"points_mm": [written]}]}
-    design = Design.from_dict(data | {"mesh": {"edge_mm": 2.0}})
-    plan = layout(design)
-    (held,) = plan.pins
+    sheet = plan({"points_mm": [written]}, border={"rings": 1}, mesh={"edge_mm": 2.0})
+    (held,) = sheet.pins
     near = written if place != written else held.points[0]
     assert np.linalg.norm(held.points[0] - near) < 0.25
     if place != [27.9, 0.0]:
         np.testing.assert_allclose(held.points[0], place, atol=1e-6)
-    mesh = mesh_layout(plan, 2.0)
+    mesh = mesh_layout(sheet, 2.0)
     assert triangle_angles(mesh.points, mesh.triangles).min() > 10.0
     assert mesh.points[mesh.pin_vertices[0][0]] == pytest.approx(held.points[0], abs=1e-9)
 
@@ -143,3 +142,40 @@ def test_many_points_in_one_place_are_one_mistake(count):
     places = [[10.0 + 1e-6 * k, 5.0] for k in range(count)]
     with pytest.raises(DesignError, match=r"pins\[0\] = \[10.0, 5.0\]: must not hold the same place twice"):
         pins({"points_mm": places})
+
+
+@pytest.mark.parametrize(
+    "tables",
+    [
+        [{"where": "corners", "scale": 4.0}],
+        [{"where": "border", "scale": 4.0}],
+        [{"corners": [0]}, {"corners": [3], "offset_mm": [0.0, 0.0, 2000.0]}],
+        [{"points_mm": [[-20.0, 0.0], [20.0, 0.0]], "target_mm": [[-2000.0, 0.0, 0.0], [20.0, 0.0, 0.0]]}],
+        [{"points_mm": [[x, 0.5 * x] for x in range(-30, 31)], "scale": 9.0}],
+    ],
+)
+def test_pins_that_are_too_far_apart_are_named(tables):
+    with pytest.raises(DesignError, match=r"pins\[\d\]: pulls the sheet to .* at most 3 times") as caught:
+        pins(*tables, border={"rings": 2})
+    assert caught.value.place_mm is not None
+
+
+@pytest.mark.parametrize(
+    "tables",
+    [
+        [{"where": "corners", "scale": 2.9}],
+        [{"corners": [0, 1]}, {"corners": [3], "offset_mm": [0.0, 0.0, 2000.0], "slide": "z"}],
+        [{"points_mm": [[0.0, 0.0], [1.0, 0.0]], "target_mm": [[0.0, 0.0, 0.0], [10.0, 0.0, 0.0]]}],
+    ],
+)
+def test_pins_within_reach_are_allowed(tables):
+    pins(*tables, border={"rings": 2})
+
+
+def test_both_ends_of_a_bent_strip_may_be_far_apart():
+    """Their distance on the print is short, but the sheet between them is long."""
+    border = {"polygon_mm": [[0, 0], [150, 0], [150, 100], [110, 100], [110, 40], [40, 40], [40, 100], [0, 100]]}
+    ends = {"points_mm": [[40.0, 100.0], [110.0, 100.0]]}
+    pins({**ends, "target_mm": [[-80.0, 100.0, 0.0], [230.0, 100.0, 0.0]]}, border=border)
+    with pytest.raises(DesignError, match="times its printed length"):
+        pins({**ends, "target_mm": [[-800.0, 100.0, 0.0], [900.0, 100.0, 0.0]]}, border=border)

@@ -1,10 +1,13 @@
-"""Drawings as programs write them: sizes, layers, what is hidden, what is used, gaps, and what is refused."""
+"""Drawings as programs write them: sizes, layers, what is hidden, what is used, gaps, and what is refused.
+
+One drawing as SVG and as DXF becomes the same rods.
+"""
 
 from __future__ import annotations
 
 import re
+import sys
 import time
-import tomllib
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -19,6 +22,8 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.drawing.read import Drawing, read_drawing
 from asterism.pattern.drawing.records import DrawingError, DrawingWarning, NoUnitError
+from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.layout import Layout
 from tests.pattern.drawing import rhino_drawing
 
 NAMES = (
@@ -71,10 +76,7 @@ def read(path: Path) -> Drawing:
         (f'<svg x="5"><g><svg y="3">{RECTANGLE}</svg></g></svg>', MM),
         (f'<symbol id="s" viewBox="0 0 10 8">{LINE} d="M1 1H9V7H1Z"/></symbol><use href="#s"/>', MM),
         (f'<g display="inline"><a href="#x"><switch>{RECTANGLE}</switch></a></g>', MM),
-        (
-            f'<rect class="no" width="99" height="70" stroke="red"/><style>.no{{display:none}}</style>{RECTANGLE}',
-            MM,
-        ),
+        (f'<rect class="no" width="99" height="70" stroke="red"/><style>.no{{display:none}}</style>{RECTANGLE}', MM),
         ('<rect x="10%" y="12.5%" width="80%" height="75%" fill="none" stroke="url(#colours)"/>', MM),
         (f'<svg width="auto" height="auto" viewBox="0 0 100 80">{RECTANGLE}</svg>', MM),
         (FOUR, MM),
@@ -90,9 +92,8 @@ def test_an_outline_of_80_x_60_mm(body: str, size: str, tmp_path: Path) -> None:
 
 def test_a_size_in_pixels_names_what_it_may_be(tmp_path: Path) -> None:
     path = svg(tmp_path, RECTANGLE, 'width="377.95" height="302.36" viewBox="0 0 100 80"')
-    with pytest.raises(
-        DesignError, match=r'its size in px.*"mm" makes it 302.4 x 226.8 mm, "px" makes it 80 x 60 mm, "pt"'
-    ):
+    said = r'its size in px.*"mm" makes it 302.4 x 226.8 mm, "px" makes it 80 x 60 mm, "pt"'
+    with pytest.raises(DesignError, match=said):
         outline_size(path)
     assert outline_size(path, units="px") == pytest.approx([80.0, 60.0], abs=1e-2)
     with pytest.raises(ScanError, match=r"size in px: give width and height in mm$"):
@@ -104,12 +105,6 @@ def test_a_size_in_pixels_names_what_it_may_be(tmp_path: Path) -> None:
     text = path.read_text().replace(NAMES, 'xmlns="&ns;"').replace("377.95", "283.46").replace("302.36", "226.77")
     path.write_text(f'<!DOCTYPE svg [<!ENTITY ns "http://www.w3.org/2000/svg">]>{text}')
     assert outline_size(path, units="pt") == pytest.approx([80.0, 60.0], abs=1e-2)
-
-
-def test_a_decimal_comma_is_refused(tmp_path: Path) -> None:
-    path = svg(tmp_path, RECTANGLE, 'width="100,0mm" height="80,0mm" viewBox="0 0 100 80"')
-    with pytest.raises(DesignError, match="'100,0mm': must be a number and a unit, 120mm; decimals have a point"):
-        outline_size(path)
 
 
 @pytest.mark.parametrize(
@@ -127,9 +122,8 @@ def test_a_decimal_comma_is_refused(tmp_path: Path) -> None:
     ],
 )
 def test_what_cannot_be_seen_is_left_out_and_said(hidden: str, tmp_path: Path) -> None:
-    with pytest.warns(
-        DrawingWarning, match=r"x.svg: read 1 line in 1 layer, 80 x 60 mm; left out: 1 (hidden line|line in)"
-    ):
+    said = r"x.svg: read 1 line in 1 layer, 80 x 60 mm; left out: 1 (hidden line|line in)"
+    with pytest.warns(DrawingWarning, match=said):
         assert len(read(svg(tmp_path, hidden + RECTANGLE)).lines) == 1
 
 
@@ -173,9 +167,8 @@ def test_a_stretched_stroke_matters_for_widths_only(tmp_path: Path) -> None:
     path = svg(tmp_path, circle)
     assert outline_size(path) == pytest.approx([80.0, 40.0], abs=1e-2)
     rods: dict[str, Any] = {"file": path.name, "width": "stroke"}
-    with pytest.raises(
-        DesignError, match=r"import\[0\].file = 'x.svg': Circle is drawn with a stroke stretched 2 to 1"
-    ):
+    said = r"import\[0\].file = 'x.svg': Circle is drawn with a stroke stretched 2 to 1"
+    with pytest.raises(DesignError, match=said):
         Design.from_dict({"rods": {"import": [rods]}, "border": {"rectangle_mm": [99, 99]}}, tmp_path)
 
 
@@ -284,9 +277,8 @@ def test_splines_are_read_over_their_domain(tmp_path: Path) -> None:
 def test_unknown_units_of_dxf_can_be_given(tmp_path: Path) -> None:
     path = dxf(tmp_path, sides, 0)
     path.write_text(path.read_text().replace("$INSUNITS\n 70\n0\n", "$INSUNITS\n 70\n99\n"))
-    with pytest.raises(
-        NoUnitError, match=r'unknown unit \(\$INSUNITS = 99\).*"mm" makes it 80 x 60 mm, "cm" makes it 800'
-    ):
+    said = r'unknown unit \(\$INSUNITS = 99\).*"mm" makes it 80 x 60 mm, "cm" makes it 800'
+    with pytest.raises(NoUnitError, match=said):
         read(path)
     assert outline_size(path, units="mm") == pytest.approx([80.0, 60.0])
 
@@ -316,31 +308,25 @@ def test_what_is_not_in_the_model_space_is_counted(tmp_path: Path) -> None:
         read(path)
 
 
-@pytest.mark.parametrize("place", [1e300, float("nan"), float("inf")])
-def test_numbers_that_are_no_places_are_refused(place: float, tmp_path: Path) -> None:
-    path = dxf(tmp_path, lambda space: space.add_line((0, 0), (place, 1), dxfattribs={"layer": "ribs"}))
-    with pytest.raises(DrawingError, match=r"no sensible numbers: LINE \w+ in layer 'ribs'"):
-        read(path)
-    if place == 1e300:
-        for d in (f"M0 0L{place} 1", f"M0 0C1 1 {place} 1 2 2"):
-            with pytest.raises(DrawingError, match="no sensible numbers: p1 in layer 'ribs'"):
-                read(svg(tmp_path, f'<g id="ribs">{LINE} id="p1" d="{d}"/></g>'))
-    with pytest.raises(DrawingError, match=r"LINE \w+ in layer '0' is 1e\+06 x 0 mm large: at most 200 m"):
-        read(dxf(tmp_path, lambda space: space.add_line((0, 0), (1e6, 0))))
-
-
 @pytest.mark.slow
-def test_shapes_beyond_reason_are_refused_at_once(tmp_path: Path) -> None:
-    def spline(space: Any, place: float) -> None:
+def test_places_and_shapes_beyond_reason_are_refused_at_once(tmp_path: Path) -> None:
+    def spline(space: Any) -> None:
         curve = space.add_spline(degree=3)
-        curve.control_points, curve.knots = [(0, 0, 0), (place, 1, 0), (2, 2, 0), (5, 5, 0), (6, 6, 0)], range(9)
+        curve.control_points, curve.knots = [(0, 0, 0), (np.nan, 1, 0), (2, 2, 0), (5, 5, 0), (6, 6, 0)], range(9)
 
     start = time.process_time()
+    for place in (1e300, np.nan, np.inf):
+        with pytest.raises(DrawingError, match=r"no sensible numbers: LINE \w+ in layer 'ribs'"):
+            read(dxf(tmp_path, lambda space, x=place: space.add_line((0, 0), (x, 1), dxfattribs={"layer": "ribs"})))
+    for d in ("M0 0L1e300 1", "M0 0C1 1 1e300 1 2 2"):
+        with pytest.raises(DrawingError, match="no sensible numbers: p1 in layer 'ribs'"):
+            read(svg(tmp_path, f'<g id="ribs">{LINE} id="p1" d="{d}"/></g>'))
+    with pytest.raises(DrawingError, match=r"LINE \w+ in layer '0' is 1e\+06 x 0 mm large: at most 200 m"):
+        read(dxf(tmp_path, lambda space: space.add_line((0, 0), (1e6, 0))))
     for draw in (
-        lambda space: space.add_circle((0, 0), 1e300),
         lambda space: space.add_arc((0, 0), 1e308, 0, 90),
         lambda space: space.add_lwpolyline([(0, 0, 0, 0, 1e154), (10, 0)]),
-        lambda space: spline(space, float("nan")),
+        spline,
     ):
         with pytest.raises(DrawingError, match=r"holds (what is no line|places that .*): [A-Z]+ \w+ in layer '0'"):
             read(dxf(tmp_path, draw))
@@ -353,9 +339,11 @@ def test_shapes_beyond_reason_are_refused_at_once(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("box", ["0 0 0 0", "0 0 10", "a b c d", "0 0 nan 80"])
-def test_a_view_box_is_four_numbers(box: str, tmp_path: Path) -> None:
+def test_a_view_box_is_four_numbers_and_decimals_have_a_point(box: str, tmp_path: Path) -> None:
     with pytest.raises(DrawingError, match=f"has the viewBox '{box}': must be four numbers, the last two above 0"):
         read(svg(tmp_path, RECTANGLE, f'width="100mm" height="80mm" viewBox="{box}"'))
+    with pytest.raises(DrawingError, match="'100,0mm': must be a number and a unit, 120mm; decimals have a point"):
+        read(svg(tmp_path, RECTANGLE, f'width="100,0mm" height="80,0mm" viewBox="{box}"'))
 
 
 @pytest.mark.parametrize("code", [".", "x", "0x4", "9" * 5000])
@@ -459,20 +447,97 @@ def test_odd_names_of_layers(layer: str, tmp_path: Path) -> None:
     assert str(caught.value).isprintable()
 
 
-def test_paths_of_windows_get_a_hint(tmp_path: Path) -> None:
-    from asterism.pattern.layout.build import load_design
+LEAF = f"""<svg {NAMES} width="100mm" height="80mm" viewBox="0 0 100 80">
+<defs><marker id="m"><path d="M0 0L5 5" stroke="black"/></marker></defs>
+<g inkscape:groupmode="layer" inkscape:label="rim" id="layer1">
+  <circle cx="50" cy="40" r="30" style="fill:none;stroke:#000;stroke-width:1.6"/></g>
+<g inkscape:groupmode="layer" inkscape:label="ribs" id="layer2" transform="translate(10,0) scale(2)">
+  <path d="M 5 20 L 35 20 M 20 5 C 22 10 18 14 20 20" style="fill:none;stroke:#f00;stroke-width:0.6"/></g>
+<g inkscape:label="notes" style="display:none"><path d="M 5 2 L 35 20" stroke="red"/></g>
+<rect x="1" y="1" width="3" height="3" fill="red"/>
+</svg>"""
 
-    text = '[stars]\nlength_mm = 7\n[border]\nfile = "C:\\users\\new\\leaf.svg"\n'
-    with pytest.raises(tomllib.TOMLDecodeError):
-        tomllib.loads(text)
-    (tmp_path / "a.toml").write_text(text)
-    with pytest.raises(DesignError, match=r"write paths with /$"):
-        load_design(tmp_path / "a.toml")
+
+def leaf_svg(folder: Path, text: str = LEAF) -> Path:
+    path = folder / "leaf.svg"
+    path.write_text(text, encoding="utf-8")
+    return path
 
 
-def test_a_drawing_in_metres_is_refused_in_one_line() -> None:
-    from asterism.pattern.layout.build import layout
+def leaf_dxf(folder: Path, units: int = 4, scale: float = 1.0) -> Path:
+    """The same drawing as a CAD program writes it, the stem as a block."""
+    drawing = ezdxf.new(units=units)
+    space = drawing.modelspace()
+    space.add_circle((50 * scale, -40 * scale), 30 * scale, dxfattribs={"layer": "rim"})
+    line = [(20 * scale, -40 * scale), (80 * scale, -40 * scale)]
+    space.add_lwpolyline(line, dxfattribs={"layer": "ribs", "const_width": 1.2 * scale})
+    stem = drawing.blocks.new("stem")
+    control = [(0, 30), (4, 20), (-4, 12), (0, 0)]
+    stem.add_open_spline([(x * scale, y * scale, 0) for x, y in control], dxfattribs={"layer": "ribs"})
+    space.add_blockref("stem", (50 * scale, -40 * scale))
+    path = folder / "leaf.dxf"
+    drawing.saveas(path)
+    return path
 
-    line = {"line_mm": [[0, 0], [0.08, 0], [0.08, 0.06], [0, 0.06]], "closed": True}
-    with pytest.raises(DesignError, match=r"all lines are shorter than 0.6 mm: is the drawing in mm?"):
-        layout(Design.from_dict({"rods": {"draw": [line]}, "border": {"rectangle_mm": [40, 40]}}))
+
+def sheet(folder: Path, **entry: Any) -> Layout:
+    data = {"rods": {"import": [entry]}, "border": {"rods": "rim"}}
+    return layout(Design.from_dict(data, folder))
+
+
+@pytest.mark.parametrize(("units", "scale"), [(4, 1.0), (5, 0.1), (1, 1 / 25.4)])
+def test_dxf_has_the_places_of_the_svg_in_any_unit(tmp_path: Path, units: int, scale: float) -> None:
+    lines = read_drawing(leaf_dxf(tmp_path, units, scale), 0.005).lines
+    assert sorted(line.layer for line in lines) == ["ribs", "ribs", "rim"]
+    (rim,) = [line for line in lines if line.layer == "rim"]
+    assert np.linalg.norm(rim.points - [50, -40], axis=1) == pytest.approx(30.0, abs=0.01)
+    widths = [line.width_mm for line in lines if line.layer == "ribs"]
+    assert sorted(width or 0.0 for width in widths) == pytest.approx([0.0, 1.2])
+
+
+@pytest.mark.parametrize("make", [leaf_svg, leaf_dxf])
+def test_both_files_become_the_same_graph(tmp_path: Path, make: Any) -> None:
+    layers = {"rim": {"thickness_mm": 0.8, "width_mm": 1.6}, "ribs": {"thickness_mm": 0.4}}
+    plan = sheet(tmp_path, file=make(tmp_path).name, layers=layers)
+    assert len(plan.rim) == 3 and len(plan.graph.joints) == 4
+    assert sorted({rod.name for rod in plan.graph.rods}) == ["ribs", "rim"]
+    assert {float(rod.thickness[0]) for rod in plan.graph.rods if rod.name == "rim"} == {0.8}
+    assert np.abs(plan.outline).max() == pytest.approx(30.0, abs=0.02)  # its middle is the origin
+
+
+def test_stroke_gives_the_width_and_a_saved_design_needs_no_file(tmp_path: Path) -> None:
+    entry = {"file": leaf_svg(tmp_path).name, "width": "stroke"}
+    design = Design.from_dict({"rods": {"import": [entry]}, "border": {"rods": "rim"}}, tmp_path)
+    (tmp_path / "leaf.svg").unlink()
+    again = Design.from_dict(design.to_dict(), tmp_path)
+    assert again == design
+    widths = {rod.name: float(rod.width[0]) for rod in layout(again).graph.rods}
+    assert widths == pytest.approx({"rim": 1.6, "ribs": 1.2}, rel=1e-4)
+
+
+REFUSED = [
+    ("none.svg", None, {}, "there is no such file"),
+    ("leaf.ai", "x", {}, "must end in .svg, .dxf or .3dm"),
+    ("leaf.svg", LEAF.replace('width="100mm" height="80mm"', ""), {}, "has no size in mm: give it one"),
+    ("leaf.svg", "<svg", {}, "cannot be read as SVG"),
+    ("leaf.svg", LEAF.replace("stroke:", "strike:"), {}, "holds no line with a stroke"),
+    ("leaf.svg", LEAF, {"layers": {"ribz": {}}}, "layers.ribz: no such layer; the drawing has ribs, rim"),
+    ("leaf.dxf", "not a drawing", {}, "cannot be read as DXF"),
+]
+
+
+@pytest.mark.parametrize(("name", "text", "entry", "words"), REFUSED, ids=[words[:30] for *_, words in REFUSED])
+def test_what_is_refused(tmp_path: Path, name: str, text: str | None, entry: dict[str, Any], words: str) -> None:
+    if text is not None:
+        (tmp_path / name).write_text(text, encoding="utf-8")
+    with pytest.raises(DesignError) as caught:
+        sheet(tmp_path, file=name, **entry)
+    assert words in str(caught.value) and "\n" not in str(caught.value)
+    assert str(caught.value).startswith("rods.import[0].")
+
+
+def test_without_the_package_for_dxf(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = leaf_dxf(tmp_path)
+    monkeypatch.setitem(sys.modules, "ezdxf", None)
+    with pytest.raises(DrawingError, match="needs ezdxf: pip install"):
+        read_drawing(file, 0.005)

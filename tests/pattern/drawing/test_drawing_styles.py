@@ -15,6 +15,7 @@ from scipy.interpolate import BSpline
 
 from asterism.pattern.drawing.read import read_drawing
 from asterism.pattern.drawing.records import FileLine
+from benchmarks.fuzz.nested import difference, write_nested
 
 CURVE_MM, WITHIN_MM = 0.005, 0.01
 
@@ -88,10 +89,7 @@ SVG: dict[str, tuple[str, np.ndarray]] = {
     "circle": ('<circle cx="50" cy="40" r="30"/>', ellipse((50, -40), 30, 30, 0, 360)),
     "ellipse": ('<ellipse cx="50" cy="40" rx="30" ry="10"/>', ellipse((50, -40), 30, 10, 0, 360)),
     "arc of a path": ('<path d="M 20 0 A 20 20 0 0 0 -20 0"/>', ellipse((0, 0), 20, 20, 0, 180)),
-    "relative cubic": (
-        '<path d="m 10 10 c 10 20 30 -20 40 0"/>',
-        bezier((10, -10), (20, -30), (40, 10), (50, -10)),
-    ),
+    "relative cubic": ('<path d="m 10 10 c 10 20 30 -20 40 0"/>', bezier((10, -10), (20, -30), (40, 10), (50, -10))),
     "quadratic": ('<path d="M 0 0 Q 20 30 40 0"/>', bezier((0, 0), (20, -30), (40, 0))),
     "turned and scaled": (
         '<g transform="translate(5,-6)"><path transform="rotate(-90) scale(2)" d="M 0 0 H 10 V 5"/></g>',
@@ -109,3 +107,11 @@ def test_lines_of_drawing_programs(kind: str, inches: bool, tmp_path: Path) -> N
     (tmp_path / "one.svg").write_text(f'{head}<g fill="none" stroke="black" stroke-width="1">{text}</g></svg>')
     (line,) = read_drawing(tmp_path / "one.svg", CURVE_MM).lines
     assert distance(line, curve) < WITHIN_MM
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("first", [0, 40])
+def test_nested_drawings_are_read_as_trees(first: int, tmp_path: Path) -> None:
+    """Groups, blocks and copies at random, against a reader that walks the tree."""
+    for seed in range(first, first + 40):
+        assert difference(write_nested(seed, tmp_path)) == "", seed

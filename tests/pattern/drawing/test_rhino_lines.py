@@ -84,15 +84,6 @@ def test_curves_are_rods_by_their_layers(tmp_path: Path) -> None:
     assert np.allclose(np.linalg.norm(arch, axis=1), 30.0, atol=1e-5) and np.allclose(arch[[0, -1]], [[30, 0], [0, 30]])
 
 
-def test_curves_of_blocks_are_left_out(tmp_path: Path) -> None:
-    drawing = Drawing()
-    drawing.polyline(SQUARE, "cut")
-    ring = rhino3dm.Circle(rhino3dm.Point3d(60, 45, 0), 8.0).ToNurbsCurve()
-    drawing.file.InstanceDefinitions.Add("block", "", "", "", rhino3dm.Point3d(0, 0, 0), (ring,), (drawing.on("cut"),))
-    drawing.saved(tmp_path)
-    assert len(layout_of(sheet(tmp_path)).holes) == 0
-
-
 def test_wrong_files_end_in_one_line(tmp_path: Path) -> None:
     def problem(**border: Any) -> str:
         with pytest.raises(DesignError) as caught:
@@ -119,7 +110,6 @@ def test_wrong_files_end_in_one_line(tmp_path: Path) -> None:
 def test_a_missing_package_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     Drawing().saved(tmp_path)
     monkeypatch.setitem(__import__("sys").modules, "rhino3dm", None)
-    with pytest.raises(
-        DesignError, match=r'''x\.3dm': reading 3DM needs rhino3dm: pip install "asterism-fabric\[cad\]"'''
-    ):
+    said = r'''x\.3dm': reading 3DM needs rhino3dm: pip install "asterism-fabric\[cad\]"'''
+    with pytest.raises(DesignError, match=said):
         sheet(tmp_path)

@@ -12,6 +12,7 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.geometry.rigid_fit import rigid_fit
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.free_motions import FreeMotions, count_free_tilts, free_motions, free_rotation_axes
+from asterism.pattern.layout.layout import Layout
 
 TWO_POINTS = {"points_mm": [[-30.0, 0.0], [30.0, 0.0]]}
 CORNERS = {"where": "corners"}
@@ -23,13 +24,16 @@ def lumpy(points: np.ndarray) -> np.ndarray:
     return np.column_stack([points + 0.3 * np.column_stack([y**2, x * y]), 4 * x**2 + 2 * x * y + y**3 + 3 * y])
 
 
+def rectangle(*pins: dict[str, Any]) -> Layout:
+    border = {"rectangle_mm": [100, 60]}
+    return layout(Design.from_dict({"stars": {"length_mm": 8}, "border": border, "pins": list(pins)}))
+
+
 def motions(
     *pins: dict[str, Any], gravity: tuple[float, float, float] | None = None, flat: bool = False
 ) -> FreeMotions:
     """Of a rectangle that is lumpy wherever its supports leave it free, or flat."""
-    border = {"rectangle_mm": [100, 60]}
-    plan = layout(Design.from_dict({"stars": {"length_mm": 8}, "border": border, "pins": list(pins)}))
-    samples = plan.support_samples
+    samples = rectangle(*pins).support_samples
     places = np.column_stack([samples.printed, np.zeros(len(samples.printed))]) if flat else lumpy(samples.printed)
     return free_motions(samples, places, gravity)
 
@@ -125,8 +129,7 @@ def test_gravity_leaves_the_turns_about_its_direction(
 
 
 def turns(*pins: dict[str, Any]) -> tuple[np.ndarray, int]:
-    border = {"rectangle_mm": [100, 60]}
-    plan = layout(Design.from_dict({"stars": {"length_mm": 8}, "border": border, "pins": list(pins)}))
+    plan = rectangle(*pins)
     return free_rotation_axes(plan), count_free_tilts(plan)
 
 

@@ -1,5 +1,7 @@
 """From designs to layouts: lattice, border, stars and arms."""
 
+from typing import Any
+
 import numpy as np
 import pytest
 from shapely import LineString, Point, Polygon
@@ -21,7 +23,7 @@ def lay(**tables):
 
 @pytest.mark.parametrize("rings", [0, 1, 3])
 def test_rings(rings):
-    sheet = lay(border={"rings": rings})
+    sheet = lay(border={"rings": rings, "overhang": "refuse"})
     assert len(sheet.centres) == 1 + 3 * rings * (rings + 1)
     assert len(sheet.arm_tip) == 3 * len(sheet.centres)
     radius = np.linalg.norm(sheet.outline, axis=1)
@@ -32,22 +34,14 @@ def test_rings(rings):
     np.testing.assert_allclose(np.linalg.norm(np.diff(sheet.centres[sheet.sample_pairs], axis=1), axis=2), D)
 
 
-def test_arms_point_at_neighbours():
-    sheet = lay()
-    np.testing.assert_allclose(sheet.centres[0], 0, atol=1e-12)
-    arms = sheet.arm_tip[sheet.arm_star == 0]
-    np.testing.assert_allclose(np.degrees(np.arctan2(arms[:, 1], arms[:, 0])), [-90, 30, 150])
-    np.testing.assert_allclose(sheet.arm_length, 10)
-    gap = np.linalg.norm(sheet.centres[:, None] - D / 10 * arms, axis=2)
-    np.testing.assert_allclose(gap.min(axis=0), 0, atol=1e-12)
-
-
 def test_stars_touch_neighbours_at_full_length():
     sheet = lay(stars={"length_fraction": 1.0}, border={"rings": 2})
     inner = np.abs(sheet.arm_length - D) < 1e-9
     gap = np.linalg.norm(sheet.arm_tip[inner][:, None] - sheet.centres, axis=2).min(axis=1)
     np.testing.assert_allclose(gap, 0, atol=1e-9)
     assert 0 < (~inner).sum() < len(inner)  # outer arms are cut
+    arms = sheet.arm_tip[sheet.arm_star == 0]
+    np.testing.assert_allclose(np.degrees(np.arctan2(arms[:, 1], arms[:, 0])), [-90, 30, 150])
 
 
 @pytest.mark.parametrize("arms", [3, 8])
@@ -64,15 +58,6 @@ def test_arm_counts_and_lattices(arms, kind):
     assert len(sheet.centres) == (25 if kind == "square" else 23)
 
 
-def test_custom_lattice_is_reduced():
-    # the triangular lattice in a clumsy basis
-    a, b = np.array([[0.75**0.5, 0.5], [0, 1]]) * D
-    clumsy = {"kind": "custom", "vectors_mm": [(a + 3 * b).tolist(), (2 * a + 7 * b).tolist()]}
-    ours, theirs = lay(border={"rectangle_mm": [120, 90]}, lattice=clumsy), lay(border={"rectangle_mm": [120, 90]})
-    np.testing.assert_allclose(ours.centres, theirs.centres, atol=1e-9)
-    np.testing.assert_array_equal(ours.sample_pairs, theirs.sample_pairs)
-
-
 def test_polygon_either_way_round():
     corners = [[-50, -40], [50, -40], [60, 30], [0, 5], [-60, 30]]
     one, two = (lay(border={"polygon_mm": c}) for c in (corners, corners[::-1]))
@@ -82,27 +67,11 @@ def test_polygon_either_way_round():
     assert {tuple(c) for c in one.outline} == {tuple(c) for c in two.outline}
 
 
-def test_cut_keeps_the_margin():
-    sheet = lay(border={"rectangle_mm": [110, 110], "tip_margin_mm": 0.7}, stars={"length_mm": 14})
-    cut = sheet.arm_length < 14 - 1e-9
-    assert cut.any()
-    np.testing.assert_allclose(np.abs(sheet.arm_tip[cut]).max(axis=1), 55 - 0.7)
-    # along the arm as it was: at 30, 150 or 270 deg
-    way = sheet.arm_tip - sheet.centres[sheet.arm_star]
-    np.testing.assert_allclose(np.degrees(np.arctan2(way[:, 1], way[:, 0])) % 120, 30)
-
-
 def test_arm_stops_where_it_first_leaves_the_sheet():
     notch = [[-40, -40], [40, -40], [40, 40], [-40, 40], [-40, 20], [10, 14], [-40, 8]]
     sheet = lay(border={"polygon_mm": notch, "star_margin_mm": 1}, stars={"length_mm": 16, "width_mm": 0.2})
     for centre, tip in zip(sheet.centres[sheet.arm_star], sheet.arm_tip, strict=True):
         assert Polygon(notch).contains(LineString([centre, tip]))
-
-
-def test_overhang_refused():
-    with pytest.raises(DesignError, match=r"border\.overhang.*star \d+ at"):
-        lay(border={"rings": 1, "overhang": "refuse"}, stars={"length_mm": 16})
-    lay(border={"rings": 1, "overhang": "refuse"}, stars={"length_mm": 10})
 
 
 def test_short_stars_are_not_printed():
@@ -111,6 +80,10 @@ def test_short_stars_are_not_printed():
     assert len(sheet.centres) == 7  # the second ring starts at 30 mm
     sheet = lay(stars={"length_mm": {**table, "values": [0, 0, 10]}})
     assert len(sheet.centres) == 37 - 7
+    # other sizes of what is not printed may be anything
+    radial = {"profile": "radial", "over_mm": 30}
+    stars = {"length_mm": radial | {"from": 8, "to": 0.5}, "thickness_mm": radial | {"from": 0.3, "to": 0.0}}
+    assert len(lay(border={"rings": 2}, stars=stars).centres) == 7
 
 
 def test_overrides():
@@ -134,16 +107,6 @@ def test_a_star_on_the_axis_is_first_of_its_ring_whatever_its_rounding():
     np.testing.assert_allclose(sheet.centres[1], [17.3, 0.0], atol=1e-9)
 
 
-def test_sizes_along_arms():
-    radial = {"profile": "radial", "from": 0.6, "to": 0.2, "over_mm": 80}
-    flat = lay(stars={"thickness_mm": radial})
-    np.testing.assert_allclose(flat.arm_thickness[:, 0], flat.arm_thickness[:, 1])
-    along = lay(stars={"thickness_mm": radial, "vary_along_arms": True})
-    expected = 0.6 - 0.4 * np.linalg.norm(along.arm_tip, axis=1) / 80
-    np.testing.assert_allclose(along.arm_thickness[:, 1], expected)
-    np.testing.assert_allclose(along.arm_thickness[:, 0], flat.arm_thickness[:, 0])
-
-
 def test_sizes_along_arms_of_a_star_changed_by_hand():
     """The field counts where the tips of the changed star are."""
     field = {"formula": "0.6 + 0.004*y"}
@@ -151,6 +114,8 @@ def test_sizes_along_arms_of_a_star_changed_by_hand():
     changed = lay(stars={"length_mm": 4.0, "override": [{"star": 0, "length_mm": 9.0}], **plan})
     np.testing.assert_allclose(changed.arm_thickness[:3, 1], 0.6 + 0.004 * changed.arm_tip[:3, 1])
     np.testing.assert_allclose(changed.arm_length[:3], 9.0)
+    flat = lay(stars={"length_mm": 4.0, "thickness_mm": field}).arm_thickness
+    np.testing.assert_array_equal(flat[:, 0], flat[:, 1])
 
 
 def test_cut_arm_keeps_the_taper_of_the_full_one():
@@ -179,21 +144,6 @@ def test_cut_arms_are_rounded_too():
     np.testing.assert_allclose(layers, np.round(layers), atol=1e-6)
 
 
-@pytest.mark.parametrize(
-    "tables",
-    [
-        {"lattice": {"arms": 6}, "stars": {"length_mm": 10}},  # arms that face each other overlap beyond d/2
-        {"lattice": {"arms": 6}, "stars": {"length_mm": 8.5}},  # 0.32 mm between tips 1.2 mm wide
-        {"lattice": {"arms": 4, "orientation_deg": 13}, "stars": {"length_mm": 12}},
-        {"stars": {"length_mm": 17}},  # 0.32 mm short of the neighbour
-        {"lattice": {"arms": 6}, "stars": {"length_fraction": 1.0}},
-    ],
-)
-def test_arms_that_touch_are_refused(tables):
-    with pytest.raises(DesignError, match=r"stars: arms of the stars at \[.*\] and \[.*\]"):
-        lay(**tables)
-
-
 @pytest.mark.parametrize("angle", [0, 30, 210])
 def test_arms_that_lie_on_each_other_are_refused_however_they_are_turned(angle: int) -> None:
     x, y = np.cos(np.radians(angle)), np.sin(np.radians(angle))
@@ -205,12 +155,6 @@ def test_arms_that_lie_on_each_other_are_refused_however_they_are_turned(angle: 
             stars={"length_fraction": 1.0},
             border={"polygon_mm": corners.tolist()},
         )
-
-
-@pytest.mark.parametrize("border", [{"rings": 2}, {"rectangle_mm": [100, 80]}])
-def test_a_margin_that_takes_whole_stars_is_refused(border: dict) -> None:
-    with pytest.raises(DesignError, match=r"border\.tip_margin_mm = 20\.0: must be below .* mm"):
-        lay(border=border | {"tip_margin_mm": 20.0})
 
 
 @pytest.mark.parametrize(
@@ -244,25 +188,14 @@ def test_whole_numbers_of_arrays_are_whole_numbers() -> None:
 
 def test_arrays_mean_what_lists_mean() -> None:
     corners = [[-40.0, -40.0], [40.0, -40.0], [40.0, 40.0], [-40.0, 40.0]]
-    place = {"points_mm": np.zeros((1, 2)), "target_mm": np.zeros(3)}
 
-    def made(of: type) -> Design:
-        pins = [{"corners": of([0, 2]), "offset_mm": of([0.0, 0.0, 5.0])}]
-        return Design.from_dict(
-            {
-                "fabric": {"stretch": of([1.3, 1.4])},
-                "stars": {"length_mm": 8.0},
-                "border": {"polygon_mm": of(corners)},
-                "pins": [*pins, {key: of(value) for key, value in place.items()}],
-                "solver": {"contact": np.bool_(True) if of is np.array else True},
-            }
-        )
+    def made(of: Any, yes: Any) -> Design:
+        corner = {"corners": of([0, 2]), "offset_mm": of([0.0, 0.0, 5.0])}
+        point = {"points_mm": of([[0.0, 0.0]]), "target_mm": of([0.0, 0.0, 0.0])}
+        design = {"stars": {"length_mm": 8.0}, "border": {"polygon_mm": of(corners)}, "pins": [corner, point]}
+        return Design.from_dict(design | {"fabric": {"stretch": of([1.3, 1.4])}, "solver": {"contact": yes}})
 
-    assert made(np.array).to_dict() == made(list_of).to_dict()
-
-
-def list_of(value: np.ndarray | list) -> list:
-    return np.asarray(value).tolist()
+    assert made(np.array, np.bool_(True)).to_dict() == made(list, True).to_dict()
 
 
 NOTCH = [[-40, -40], [-1, -40], [0, -8.7], [1, -40], [40, -40], [40, 40], [-40, 40]]
@@ -295,9 +228,3 @@ def test_a_long_sheet_across_is_no_larger_than_it_is():
     strip = [[-2400, -2400], [-2370, -2400], [2400, 2370], [2400, 2400], [2370, 2400], [-2400, -2370]]
     sheet = lay(border={"polygon_mm": strip}, stars={"length_mm": 5}, lattice={"spacing_mm": 10}, mesh={"edge_mm": 5})
     assert 2000 < len(sheet.centres) < 3300
-
-
-def test_sizes_of_what_is_not_printed_may_be_anything():
-    radial = {"profile": "radial", "over_mm": 30}
-    stars = {"length_mm": radial | {"from": 8, "to": 0.5}, "thickness_mm": radial | {"from": 0.3, "to": 0.0}}
-    assert len(lay(border={"rings": 2}, stars=stars).centres) == 7

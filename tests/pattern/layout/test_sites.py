@@ -121,20 +121,30 @@ def test_numbers_of_stars_leave_out_those_that_a_hole_replaces() -> None:
     assert (sizes(layout(with_painted_stars(base, [], []))) == sizes(layout(base))).all()
 
 
+TOUCH = r"^stars: arms of the stars at \[.*\] and \[.*\]"
+MARGIN = r"^border\.tip_margin_mm = \d+\.0: must be below .* mm"
+
+
 @pytest.mark.parametrize(
-    ("changes", "stars"),
+    ("changes", "message"),
     [
-        ({"stars": {"length_mm": 7.0, "override": [{"star": 5, "width_mm": 50.0}]}}, (5,)),
-        ({"stars": {"length_mm": 10.0}, "lattice": {"arms": 5}}, None),
-        ({"border": {"rings": 2, "tip_margin_mm": 40.0}}, None),
-        ({"stars": {"length_mm": 17.0}, "border": {"rectangle_mm": [60, 60], "overhang": "refuse"}}, None),
+        ({"lattice": {"arms": 6}, "stars": {"length_mm": 10.0}}, TOUCH),  # facing arms overlap beyond d/2
+        ({"lattice": {"arms": 6}, "stars": {"length_mm": 8.5}}, TOUCH),  # 0.32 mm between tips 1.2 mm wide
+        ({"lattice": {"arms": 4, "orientation_deg": 13}, "stars": {"length_mm": 12.0}}, TOUCH),
+        ({"lattice": {"arms": 5}, "stars": {"length_mm": 10.0}}, TOUCH),
+        ({"stars": {"length_mm": 17.0}}, TOUCH),  # 0.32 mm short of the neighbour
+        ({"lattice": {"arms": 6}, "stars": {"length_fraction": 1.0}}, TOUCH),
+        ({"border": {"rings": 2, "tip_margin_mm": 20.0}}, MARGIN),
+        ({"border": {"rectangle_mm": [100, 80], "tip_margin_mm": 20.0}}, MARGIN),
+        ({"stars": {"length_mm": 16}, "border": {"rings": 1, "overhang": "refuse"}}, r"border\.overhang.*star \d+ at"),
+        ({"stars": {"length_mm": 7, "override": [{"star": 5, "width_mm": 50}]}}, r"^stars\.override\[0\]\.width_mm"),
     ],
 )
-def test_errors_about_stars_carry_them(changes: dict[str, Any], stars: tuple[int, ...] | None) -> None:
-    with pytest.raises(DesignError) as caught:
+def test_errors_about_stars_carry_them(changes: dict[str, Any], message: str) -> None:
+    with pytest.raises(DesignError, match=message) as caught:
         layout(design(**changes))
     error = caught.value
-    assert error.place_mm is not None and len(error.stars) >= 1 and (stars is None or error.stars == stars)
+    assert error.place_mm is not None and len(error.stars) >= 1 and ("override" not in message or error.stars == (5,))
     assert error.within("a.toml").stars == error.stars
 
 

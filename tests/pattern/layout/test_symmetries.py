@@ -1,4 +1,4 @@
-"""Symmetries of layouts: how many there are, and what breaks them; distances of shapes up to them."""
+"""Symmetries of layouts: how many there are, and what breaks them; the axis of a roll, from normals at the stars."""
 
 from __future__ import annotations
 
@@ -10,15 +10,22 @@ import pytest
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
+from asterism.pattern.layout.roll_axis import roll_axis_from_normals
 from asterism.pattern.layout.symmetries import symmetries
 
+HEAVY = {"modulus_mpa": 1.0}
 HEXAGON = {"stars": {"length_mm": 8.0}, "border": {"rings": 1}}
 
 
 def count(**changes: object) -> tuple[int, int]:
     """All symmetries, and mirrors among them."""
-    design = Design.from_dict(HEXAGON | changes)
+    return count_of(HEXAGON | changes)
+
+
+def count_of(data: dict[str, Any]) -> tuple[int, int]:
+    design = Design.from_dict(data)
     found = symmetries(design, layout(design))
+    np.testing.assert_allclose(found[0].turn, np.eye(2), atol=1e-12)
     return len(found), sum(one.mirrors for one in found)
 
 
@@ -46,17 +53,16 @@ def count(**changes: object) -> tuple[int, int]:
         ({"border": {"rectangle_mm": [100.0, 60.0]}}, (2, 1)),
         ({"border": {"rectangle_mm": [100.0, 60.0]}, "lattice": {"kind": "square", "arms": 4}}, (4, 2)),
         ({"border": {"rectangle_mm": [60.0, 60.0]}, "lattice": {"kind": "square", "arms": 4}}, (8, 4)),
+        # tips that meet
+        ({"stars": {"length_fraction": 0.5}, "lattice": {"arms": 6, "orientation_deg": 0.0}}, (12, 6)),
+        # weight must keep its direction
+        ({"fabric": HEAVY, "gravity": {"on": True}}, (6, 3)),
+        ({"fabric": HEAVY, "gravity": {"on": True, "direction": [0.0, 1.0, 0.0]}}, (2, 1)),
+        ({"fabric": HEAVY, "gravity": {"on": True, "direction": [1.0, 0.0, 0.0]}}, (1, 0)),
     ],
 )
 def test_count(changes: dict, expected: tuple[int, int]) -> None:
     assert count(**changes) == expected
-
-
-def test_weight_must_keep_its_direction() -> None:
-    fabric = {"modulus_mpa": 1.0}
-    assert count(fabric=fabric, gravity={"on": True}) == (6, 3)
-    assert count(fabric=fabric, gravity={"on": True, "direction": [0.0, 1.0, 0.0]}) == (2, 1)
-    assert count(fabric=fabric, gravity={"on": True, "direction": [1.0, 0.0, 0.0]}) == (1, 0)
 
 
 @pytest.mark.parametrize("name", gallery.names())
@@ -76,11 +82,9 @@ def test_they_are_a_group_that_maps_stars_to_equal_ones(name: str) -> None:
 def test_outlines_of_the_same_corners_joined_otherwise_are_not_the_same() -> None:
     """The upper side zigzags: mirrored, the corners fall on each other and the sides do not."""
     zigzag = [[-60, -60], [60, -60], [60, 40], [10, 15], [10, 35], [-10, 15], [-10, 35], [-60, 40]]
-    design = Design.from_dict({"stars": {"length_mm": 8.0}, "border": {"polygon_mm": zigzag, "star_margin_mm": 20.0}})
-    assert not any(one.mirrors for one in symmetries(design, layout(design)))
     even = [[-60, -60], [60, -60], [60, 40], [10, 35], [10, 15], [-10, 15], [-10, 35], [-60, 40]]
-    design = Design.from_dict({"stars": {"length_mm": 8.0}, "border": {"polygon_mm": even, "star_margin_mm": 20.0}})
-    assert any(one.mirrors for one in symmetries(design, layout(design)))
+    for corners, mirrors in ((zigzag, 0), (even, 1)):
+        assert count(border={"polygon_mm": corners, "star_margin_mm": 20.0})[1] == mirrors
 
 
 @pytest.mark.parametrize("pins", [{"where": "border", "scale": 0.7}, {"edges": [0, 1]}, {"edges": [0], "step": 1}])
@@ -88,20 +92,11 @@ def test_a_corner_on_a_held_side_changes_nothing(pins: dict[str, object]) -> Non
     square = [[-45, -45], [45, -45], [45, 45], [-45, 45]]
     lattice = {"kind": "square", "arms": 4, "spacing_mm": 15}
     whole = {"stars": {"length_mm": 5.0}, "lattice": lattice, "border": {"polygon_mm": square}}
-    more = whole | {"border": {"polygon_mm": [square[0], [10, -45], *square[1:]]}}
-    if "edges" in pins:
-        # both halves of the side, or the first alone, which is not a side of the square
-        one = count(**whole, pins=[pins | {"edges": [0]}])
-        assert (count(**more, pins=[pins]) == one) is (pins["edges"] == [0, 1])
-    else:
-        assert count(**more, pins=[pins]) == count(**whole, pins=[pins]) == (8, 4)
-
-
-def test_tips_that_meet_are_told_apart() -> None:
-    changes: dict = {"stars": {"length_fraction": 0.5}, "lattice": {"arms": 6, "orientation_deg": 0.0}}
-    tips = layout(Design.from_dict(HEXAGON | changes)).arm_tip
-    assert len(np.unique(tips.round(6), axis=0)) == len(tips) - 12
-    assert count(**changes) == (12, 6)
+    more = whole | {"border": {"polygon_mm": [square[0], [10, -45], *square[1:]]}, "pins": [pins]}
+    one = count(**whole, pins=[pins | {"edges": [0]} if "edges" in pins else pins])
+    assert "edges" in pins or one == (8, 4)
+    # both halves of the side, or the first alone, which is not a side of the square
+    assert (count(**more) == one) is (pins.get("edges") != [0])
 
 
 RING = {"rods": {"draw": [{"name": "rim", "circle_mm": {"radius": 20.0}}]}, "border": {"rods": "rim"}}
@@ -147,17 +142,7 @@ def flower(turn_deg: float, lobes: int = 5) -> dict[str, Any]:
     ],
 )
 def test_count_of_drawings(data: dict[str, Any], expected: tuple[int, int]) -> None:
-    design = Design.from_dict(data)
-    found = symmetries(design, layout(design))
-    assert (len(found), sum(one.mirrors for one in found)) == expected
-    np.testing.assert_allclose(found[0].turn, np.eye(2), atol=1e-12)
-
-
-def test_sample_points_are_neighbours_on_the_sheet() -> None:
-    plan = layout(Design.from_dict(NET))
-    assert len(plan.sample_points) == 25 and len(plan.sample_pairs) == 40
-    steps = plan.sample_points[plan.sample_pairs[:, 1]] - plan.sample_points[plan.sample_pairs[:, 0]]
-    np.testing.assert_allclose(np.linalg.norm(steps, axis=1), 10.0)
+    assert count_of(data) == expected
 
 
 def test_each_symmetry_maps_every_rod_onto_a_rod() -> None:
@@ -167,3 +152,25 @@ def test_each_symmetry_maps_every_rod_onto_a_rod() -> None:
     for motion in symmetries(design, plan):
         moved = line @ motion.turn.T + motion.shift
         assert np.linalg.norm(moved[:, None] - line, axis=2).min(axis=1).max() < 1.0
+
+
+@pytest.mark.parametrize("second", [[0.0, 20.0], [8.0, 16.0], [0.0, 30.0]])
+def test_rolls_are_seen_on_lattices_of_two_lengths(second: list[float]) -> None:
+    lattice = {"kind": "custom", "vectors_mm": [[17.0, 0.0], second], "arms": 4}
+    border = {"rectangle_mm": [110, 110]}
+    plan = layout(Design.from_dict({"lattice": lattice, "stars": {"length_mm": 6.0}, "border": border}))
+    turn = plan.centres[:, 1] / 25.0
+    normal = np.column_stack([0.0 * turn, np.sin(turn), np.cos(turn)])
+    axis = roll_axis_from_normals(plan, normal)
+    assert axis is not None and min(axis, 180.0 - axis) < 1.0
+
+
+@pytest.mark.parametrize(("waves", "is_roll"), [(0.0, True), (1.0, False), (2.0, False)])
+def test_a_wave_is_no_roll(waves: float, is_roll: bool) -> None:
+    """It bends about one axis, but both ways."""
+    plan = layout(Design.from_dict({"stars": {"length_mm": 8.0}, "border": {"rectangle_mm": [220, 60]}}))
+    x = plan.centres[:, 0]
+    turn = 1.2 * np.sin(2.0 * np.pi * waves * x / 200.0) if waves else x / 60.0
+    normal = np.column_stack([np.sin(turn), 0.0 * turn, np.cos(turn)])
+    for nearly in (False, True):
+        assert (roll_axis_from_normals(plan, normal, nearly) is not None) is is_roll

@@ -148,12 +148,6 @@ def test_points_come_before_edges_in_a_pin_set():
     assert first not in rest and len(rest) == len(set(rest))
 
 
-def test_eight_arms_do_not_fit_a_square_grid():
-    sheet = layout(BOX, [[0.0, 0.0]], 6.0, list(45.0 * np.arange(8)), vectors=D * np.eye(2))
-    with pytest.raises(MeshError, match="does not lie on a line"):
-        aligned_mesh(sheet, 2.0)
-
-
 @pytest.mark.slow
 @settings(max_examples=15)
 @given(

@@ -1,4 +1,7 @@
-"""Holes in sheets: by numbers, from drawings, with a printed rim; meshed, and refused in one line."""
+"""Holes in sheets: by numbers, from drawings, with a printed rim; meshed, and refused in one line.
+
+Edges of the outline and of holes have numbers; the whole edge of a hole is held by the number of the hole.
+"""
 
 from __future__ import annotations
 
@@ -88,17 +91,11 @@ def test_holes_of_a_drawing(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("holes", "message"),
     [
-        (
-            [{"circle_mm": {"centre": (29, 0), "radius": 5}}],
-            r"holes\[0\]: must be inside the outline, and .* \[30",
-        ),
+        ([{"circle_mm": {"centre": (29, 0), "radius": 5}}], r"holes\[0\]: must be inside the outline, and .* \[30"),
         ([{"circle_mm": {"centre": (24.8, 10), "radius": 5}}], r"holes\[0\]: must leave 0.5 mm .* leaves 0.2\d* mm at"),
         ([ROUND, {"circle_mm": {"centre": (4, 10), "radius": 5}}], r"holes\[1\]: must be apart from border.holes\[0\]"),
         ([ROUND, {"circle_mm": {"centre": (0, 21.2), "radius": 5}}], r"holes\[1\]: must leave 0.5 mm"),
-        (
-            [{"polygon_mm": [(0, 0), (9, 9), (9, 0), (0, 9)]}],
-            r"holes\[0\]: must not cross .* itself, as at \[4.5",
-        ),
+        ([{"polygon_mm": [(0, 0), (9, 9), (9, 0), (0, 9)]}], r"holes\[0\]: must not cross .* itself, as at \[4.5"),
         ([{"circle_mm": {"radius": 0.5}}], r"holes\[0\] = 0.78\d*: must enclose at least 1 mm2"),
         (
             [{"circle_mm": {"radius": [30, 1]}}],
@@ -137,3 +134,76 @@ def test_stars_stand_clear_of_holes_and_their_arms_are_cut() -> None:
     plan = layout(Design.from_dict({**stars, "border": wide}))
     assert len(plan.centres) == 18 and plan.arm_length.min() < 5.0
     assert np.linalg.norm(plan.arm_tip, axis=1).min() > 12.4
+
+
+BOX = {"polygon_mm": [[5, 5], [12, 5], [12, 12], [5, 12]]}
+DISC = {"circle_mm": {"centre": [-9, -9], "radius": 4}}
+THREE_LINES = [{"line_mm": [(-19, y), (19, y)]} for y in (-16, 0, 16)]
+
+
+def sheet(*pins: dict[str, Any], holes: tuple[dict[str, Any], ...] = (BOX, DISC)) -> Layout:
+    border = {"rectangle_mm": (40.0, 40.0), "holes": holes}
+    return layout(Design.from_dict({"rods": {"draw": THREE_LINES}, "border": border, "pins": pins}))
+
+
+def test_the_sheet_lies_to_the_left_of_every_edge() -> None:
+    plan = sheet()
+    edges = plan.edges
+    along = edges.end - edges.start
+    left = np.column_stack([-along[:, 1], along[:, 0]]) / np.linalg.norm(along, axis=1)[:, None]
+    middle = 0.5 * (edges.start + edges.end)
+    assert plan.is_on_sheet(middle + 0.01 * left).all() and not plan.is_on_sheet(middle - 0.01 * left).any()
+    assert plan.area_mm2 == pytest.approx(1600.0 - 49.0 - np.pi * 16.0, rel=1e-3)
+
+
+def test_corners_on_a_straight_side_do_not_end_it() -> None:
+    notched = {"polygon_mm": [[8, 5], [12, 5], [12, 12], [5, 12], [5, 5]]}
+    side = sheet(holes=(notched,)).edges.straight_sides
+    assert len(set(side.tolist())) == 8 and len(set(side[4:].tolist())) == 4
+
+
+def test_a_hole_is_held_all_around() -> None:
+    plan = sheet({"holes": [1, 0], "scale": 0.8, "offset_mm": [0.0, 0.0, 3.0]})
+    around, square = plan.edges.numbers(2), plan.edges.numbers(1)
+    assert plan.supported_edges.tolist() == [*around, *square]
+    assert [len(chain) for chain in plan.pins[0].chains(plan.edges)] == [len(around) + 1, 5]
+    assert len(plan.pins[0].straight_stretches(plan.edges)) == len(around) + 4
+    assert plan.distance_to_supports(np.array([[8.0, 4.0], [-9.0, -4.0]])) == pytest.approx([1.0, 1.0], abs=0.02)
+    samples = plan.support_samples
+    assert samples.places[:, :2] == pytest.approx(0.8 * samples.printed) and set(samples.places[:, 2]) == {3.0}
+    mesh = mesh_layout(plan, 3.0)
+    assert set(mesh.pin_vertices[0].tolist()) == {*mesh.hole_vertices[0].tolist(), *mesh.hole_vertices[1].tolist()}
+
+
+def test_holes_have_the_order_of_the_design() -> None:
+    ring = {"name": "window", "circle_mm": {"centre": [9, 9], "radius": 4}}
+    border = {"rectangle_mm": (40.0, 40.0), "holes": [{"rods": "window"}, DISC]}
+    data = {"rods": {"draw": [*THREE_LINES, ring]}, "border": border, "pins": [{"holes": [0]}]}
+    plan = layout(Design.from_dict(data))
+    assert np.linalg.norm(plan.holes[0] - [9.0, 9.0], axis=1) == pytest.approx(4.0, abs=0.1)
+    assert [len(rim) > 0 for rim in plan.hole_rims] == [True, False]
+    mesh = mesh_layout(plan, 3.0)
+    assert np.linalg.norm(mesh.points[mesh.pin_vertices[0]] - [9.0, 9.0], axis=1) == pytest.approx(4.0, abs=0.05)
+
+
+@pytest.mark.parametrize(
+    ("pins", "holes", "line"),
+    [
+        ([{"holes": [2]}], (BOX, DISC), "pins[0].holes[0] = 2: must be from 0 to 1"),
+        ([{"holes": [0, 0]}], (BOX, DISC), "pins[0].holes[1] = 0: must not be listed twice"),
+        ([{"holes": [0]}], (), "pins[0].holes = [0]: needs [[border.holes]]: the sheet has none"),
+        ([{"holes": [0]}, {"holes": [0], "step": 1}], (BOX,), "must not hold what pins[0] holds already"),
+        ([{"holes": [0]}, {"points_mm": [[5, 8]]}], (BOX,), "must not hold what pins[0] holds already"),
+        (
+            [{"holes": [0], "target_mm": [[0, 0, 1]]}],
+            (BOX,),
+            "does not go with holes, but scale and offset_mm do",
+        ),
+        ([{"holes": [0], "edges": [1]}], (BOX,), "pins[0]"),
+        ([{"points_mm": [[8, 8]]}], (BOX,), "must be on the sheet, not in a hole"),
+    ],
+)
+def test_wrong_numbers_are_refused_in_one_line(pins: list[Any], holes: tuple[Any, ...], line: str) -> None:
+    with pytest.raises(DesignError) as refused:
+        sheet(*pins, holes=holes)
+    assert line in str(refused.value) and "\n" not in str(refused.value)
