@@ -13,13 +13,7 @@ import asterism
 from asterism.discrete.release.continuation import solve_on_mesh
 from asterism.discrete.release.levels import model_on
 from asterism.discrete.release.prolongation import fit_to_surface
-from asterism.exact.spread import (
-    MAX_SOLVES,
-    RESPONSE_ERROR,
-    check_spread,
-    spread,
-    varied,
-)
+from asterism.exact.spread import MAX_SOLVES, RESPONSE_ERROR, check_spread, spread, varied
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError

@@ -33,29 +33,28 @@ def test_a_design_has_the_sliders_of_what_is_in_it() -> None:
     sizes = ["length", "thickness", "width", "stretch"]
     assert [slider.key for slider in board(held).sliders] == [*sizes, "needle_scale", "needle_height"]
     assert [slider.key for slider in board(free).sliders] == sizes
-    assert [slider.key for slider in board(asterism.new("dome"), ["needle_scale", "length"]).sliders] == [
-        "needle_scale",
-        "length",
-    ]
+    chosen = ["needle_scale", "length"]
+    assert [slider.key for slider in board(asterism.new("dome"), chosen).sliders] == chosen
     with pytest.raises(ValueError, match=r"'needle_scale', but length, thickness"):
         board(free, ["needle_scale"])
     with pytest.raises(ValueError, match=r"'height' must be one of length, .*needle_height"):
         board(free, ["height"])
 
 
-def test_sizes_stay_in_the_range_of_the_law() -> None:
+def test_sizes_stay_in_the_range_of_the_law_and_stretches_are_its_own() -> None:
     design = asterism.new("dome")
     ranges = asterism.load_law().size_ranges(1.35)
     sizes = layout(design).site_sizes_mm
-    for column, (key, name) in enumerate(
-        {"length": "length_mm", "thickness": "thickness_mm", "width": "width_mm"}.items()
-    ):
-        (slider,) = board(design, [key]).sliders
+    for column, key in enumerate(("length", "thickness", "width")):
+        (slider,), (low, high) = board(design, [key]).sliders, ranges[f"{key}_mm"]
         assert slider.low < 1.0 < slider.high
         at = [layout(board(design, [key]).design_at({key: value})).site_sizes_mm for value in (slider.low, slider.high)]
-        assert at[0][:, column].min() >= ranges[name][0] - 1e-3 and at[1][:, column].max() <= ranges[name][1] + 1e-3
+        assert at[0][:, column].min() >= low - 1e-3 and at[1][:, column].max() <= high + 1e-3
         others = [other for other in range(3) if other != column]
         np.testing.assert_array_equal(at[0][:, others], sizes[:, others])
+    (stretch,) = board(design, ["stretch"]).sliders
+    assert stretch.options == (1.35, 1.75) and stretch.start == design.fabric.stretch
+    assert board(design).design_at({"stretch": 1.7}).fabric.stretch == 1.75
 
 
 def test_sizes_of_all_stars_are_multiplied_and_removed_ones_stay_removed() -> None:
@@ -77,13 +76,6 @@ def test_needles_move_in_the_plane_and_in_height() -> None:
     np.testing.assert_allclose(moved.pins[0].target_mm, targets * [1.1, 1.1, 0.5])
     scaled = board(asterism.new("dome")).design_at({"needle_scale": 1.1})
     assert scaled.pins[0].scale == pytest.approx(1.1 * asterism.new("dome").pins[0].scale)
-
-
-def test_stretches_are_those_of_the_law() -> None:
-    design = asterism.new("dome")
-    (slider,) = board(design, ["stretch"]).sliders
-    assert slider.options == (1.35, 1.75) and slider.start == design.fabric.stretch
-    assert board(design).design_at({"stretch": 1.7}).fabric.stretch == 1.75
 
 
 def test_values_are_checked_and_the_design_comes_back() -> None:

@@ -32,17 +32,6 @@ def compared(of: Design, one, other) -> Comparison:
     return compare_shapes(one, other, plan, symmetries(of, plan))
 
 
-def test_a_shape_is_at_no_distance_from_itself():
-    one = shape(UNIFORM, lumpy)
-    found = compared(UNIFORM, one, one)
-    assert found.record.max_percent == pytest.approx(0.0, abs=1e-9)
-    assert found.record.max_stars_percent == pytest.approx(0.0, abs=1e-9)
-    assert found.record.normals_rms_deg == pytest.approx(0.0, abs=1e-6)
-    assert found.record.heights_mm[0] == pytest.approx(found.record.heights_mm[1])
-    assert found.record.relief_error_percent == pytest.approx(0.0, abs=1e-6)
-    assert not found.symmetry.mirrors
-
-
 def test_outlines_may_be_symmetric_to_a_few_decimals_only():
     corners = layout(UNIFORM).outline.round(5)
     drawn = design(border={"polygon_mm": corners.tolist()})
@@ -183,7 +172,11 @@ def test_images_under_the_designs_symmetries_are_the_same_shape(number):
     found = compare_shapes(one, image, plan, same)
     # the inverse of the symmetry brings it back
     assert np.allclose(found.symmetry.turn, symmetry.turn.T, atol=1e-9)
+    assert found.symmetry.mirrors == symmetry.mirrors
     assert found.record.max_percent < 1e-6 and found.record.max_stars_percent < 1e-6
+    assert found.record.normals_rms_deg == pytest.approx(0.0, abs=1e-6)
+    assert found.record.heights_mm[0] == pytest.approx(found.record.heights_mm[1])
+    assert found.record.relief_error_percent == pytest.approx(0.0, abs=1e-6)
 
 
 def test_a_reflected_shape_is_another_one():

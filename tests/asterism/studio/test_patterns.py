@@ -84,8 +84,7 @@ def test_a_motif_rises_around_a_held_hole_while_its_sizes_are_edited(
         border = {"rectangle_mm": (40.0, 40.0), "holes": [{"circle_mm": {"centre": (0.0, 0.0), "radius": radius}}]}
         return net(*thickness, border=border, pins=[{"holes": [0], "scale": 0.9}]).to_dict()
 
-    engine.send(Edit(1, holed(9.0)))
-    frame = engine.frame(1)
+    frame = engine.show(1, holed(9.0))
     (limits,) = [answer for answer in engine.answers if isinstance(answer, Limits)]
     assert not limits.law and not limits.stretches  # a motif has cells where its sizes are
     assert frame.is_minimum and frame.height_mm > 1.0 and len(frame.arrays["needles"]) >= 1
@@ -94,8 +93,7 @@ def test_a_motif_rises_around_a_held_hole_while_its_sizes_are_edited(
     engine.send(Edit(2, holed(9.0, 0.5)))
     linear, final = engine.frame(2, "linear"), engine.frame(2)
     assert linear.mesh == final.mesh and final.height_mm != pytest.approx(frame.height_mm, rel=1e-3)
-    engine.send(Edit(3, holed(8.0)))
-    engine.frame(3)
+    engine.show(3, holed(8.0))
     (first, *_, last) = engine.meshes().values()
     away = [float(np.linalg.norm(mesh["printed"], axis=1).min()) for mesh in (first, last)]
     assert away == pytest.approx([9.0, 8.0], abs=0.1)
