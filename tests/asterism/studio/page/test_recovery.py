@@ -113,15 +113,6 @@ def test_a_proxy_that_blocks_websockets_is_named(browser: Any, address: str) -> 
     page.close()
 
 
-def test_another_stretch_is_learned(flat: StudioPage) -> None:
-    flat.open_again("file-even.toml")
-    flat.item("tab-sheet").click()
-    flat.fill("stretch", 1.5)
-    flat.rest()
-    flat.page.get_by_text("It learns other stretches when they are first used").wait_for()
-    assert flat.page.evaluate("studio.state.problem") is None
-
-
 def test_saving_asks_before_it_replaces_a_file_with_a_mistake(flat: StudioPage, folder: Path) -> None:
     file = folder / "roof.toml"
     file.write_text((folder / "canopy.toml").read_text(encoding="utf-8"), encoding="utf-8")
