@@ -95,13 +95,8 @@ def test_arms_carry_on_what_the_fabric_before_them_allows() -> None:
 
 @pytest.mark.slow
 def test_corners_under_arms_hang_from_a_free_hexagon() -> None:
-    design = Design.from_dict(
-        {
-            "border": {"rings": 1},
-            "stars": {"length_mm": 8.0, "thickness_mm": 0.35},
-            "mesh": {"edge_mm": 2.4},
-        }
-    )
+    stars = {"length_mm": 8.0, "thickness_mm": 0.35}
+    design = Design.from_dict({"border": {"rings": 1}, "stars": stars, "mesh": {"edge_mm": 2.4}})
     exact = exact_shape(design)
     corners = 0.99 * Preview(design).sheet.layout.outline
 
