@@ -14,7 +14,6 @@ from asterism.discrete.release import forms
 from asterism.discrete.release.equilibrium import Equilibrium
 from asterism.discrete.release.release_start import ReleaseStart
 from asterism.exact.simulation import exact_shape
-from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.reports.write_results import write_results
@@ -25,11 +24,8 @@ STARTS = 9
 
 
 def small(**sections: object) -> Design:
-    data = gallery.load("tube").to_dict()
-    data["border"] = {"rings": 1}
-    data["mesh"] = {"edge_mm": 4.0}
-    data["stars"] = {"length_mm": 10.0, "thickness_mm": 0.3}
-    return Design.from_dict(data | sections)
+    stars = {"length_mm": 10.0, "thickness_mm": 0.3}
+    return Design.from_dict({"stars": stars, "border": {"rings": 1}, "mesh": {"edge_mm": 4.0}} | sections)
 
 
 @pytest.fixture(scope="module")
@@ -88,10 +84,8 @@ def test_stars_that_snap_back_are_named() -> None:
     assert s["stars_up"] == 7 and s["stars_off_branch"] == [2]
     kept = exact_shape(small(stars={"length_mm": 10.0, "thickness_mm": 0.3, "override": override})).summary
     assert kept["stars_down"] == [2] and kept["stars_off_branch"] == []
-    flat = exact_shape(
-        small(solver={"start": "flat"}, stars={"length_mm": 10.0, "thickness_mm": 0.4, "branch": "down"})
-    )
-    assert flat.summary["stars_off_branch"] == []
+    down = {"length_mm": 10.0, "thickness_mm": 0.4, "branch": "down"}
+    assert exact_shape(small(solver={"start": "flat"}, stars=down)).summary["stars_off_branch"] == []
 
 
 @pytest.mark.slow

@@ -13,7 +13,6 @@ import asterism
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State
 from asterism.exact.simulation import exact_shape, exact_warnings, line_forces
-from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.materials import Fabric
@@ -25,13 +24,11 @@ from asterism.results.record import keys_of
 from asterism.results.records.exact import ExactRecord
 from asterism.shape.comparison import compare_shapes
 from asterism.shape.shape import Shape
+from tests.asterism.previews.designs import edited
 
 
 def small(name: str = "tube", **sections: dict) -> Design:
-    data = gallery.load(name).to_dict()
-    data["border"] = {"rings": 1}
-    data["mesh"] = {"edge_mm": 3.0}
-    return Design.from_dict(data | sections)
+    return edited(name, **{"border": {"rings": 1}, "mesh": {"edge_mm": 3.0}} | sections)
 
 
 @pytest.fixture(scope="module")
@@ -171,26 +168,16 @@ def star_shape(edge_mm: float, **fabric: float) -> Shape:
     return shape
 
 
-def rod_along_x() -> tuple[DiscreteModel, np.ndarray]:
-    """A straight rod of 40 mm on an even mesh, and the printed positions of its sheet."""
-    design = Design.from_dict(
-        {
-            "border": {"rectangle_mm": [60.0, 20.0]},
-            "rods": {"draw": [{"line_mm": [[-20, 0], [20, 0]]}], "thickness_mm": 0.4},
-            "fabric": {"bending": "paper"},
-        }
-    )
-    plan = layout(design)
-    model = DiscreteModel(design, plan, mesh_layout(plan, 1.0, "delaunay"))
-    return model, model.printed_state().positions
-
-
 def test_a_rod_in_a_given_shape_needs_the_forces_of_beam_theory() -> None:
     """A deflection `a x^4` needs the line load `24 a EI` upwards, a displacement `b x^2` the load `-2 b EA`."""
-    model, at = rod_along_x()
-    x, modulus = at[:, 0], model.design.fabric.modulus * model.design.plastic.modulus_ratio
-    width, thickness = 1.2, 0.4
-    rod = model.mesh.rods[0]
+    length, width, thickness = 40.0, 1.2, 0.4
+    rods = {"draw": [{"line_mm": [[-length / 2, 0], [length / 2, 0]]}], "thickness_mm": thickness, "width_mm": width}
+    border = {"rectangle_mm": [60.0, 20.0]}
+    design = Design.from_dict({"border": border, "rods": rods, "fabric": {"bending": "paper"}})
+    plan = layout(design)
+    model = DiscreteModel(design, plan, mesh_layout(plan, 1.0, "delaunay"))
+    at, rod = model.printed_state().positions, model.mesh.rods[0]
+    x, modulus = at[:, 0], design.fabric.modulus * design.plastic.modulus_ratio
     inner = np.abs(x[rod][1:] + x[rod][:-1]) < 28.0  # away from the ends, where the rest curvature acts
     for a, b in ((2e-8, 0.0), (-2e-8, 0.0), (0.0, 1e-6)):
         # the second term along x keeps the length of the bent rod

@@ -1,8 +1,7 @@
 """Around a held point the shell gives way as the exact model's fabric does.
 
-A wedge of bare fabric is held along its arc, where it is as long as it wants to be, and its tip is pulled out a little;
-for 360 degrees it is a disc, and its middle is pulled aside. c, d, d - c and g are those of
-`asterism/previews/point_pins.py`, with its K, for a full turn that of a plane, `4 pi E t/((1 + nu)(3 - nu))`.
+A wedge of bare fabric is held along its arc, where it is as long as it wants to be, and its tip is pulled out a little.
+c, d, d - c and g are those of `asterism/previews/point_pins.py`, with its K.
 """
 
 from __future__ import annotations
@@ -54,9 +53,8 @@ def measured(angle: float) -> tuple[float, float]:
 
 def ease(stiffness: float, angle: float) -> float:
     """`u K / F`, from F / u in N/mm."""
-    a, nu = np.radians(angle), FABRIC.poisson
-    turn = 4.0 * np.pi / ((1.0 + nu) * (3.0 - nu)) if angle == 360.0 else 0.5 * (a + np.sin(a))
-    return float(FABRIC.modulus_mpa * FABRIC.thickness_mm * turn / stiffness)
+    a = np.radians(angle)
+    return float(FABRIC.modulus_mpa * FABRIC.thickness_mm * 0.5 * (a + np.sin(a)) / stiffness)
 
 
 def wedge(angle: float, edge_mm: float, turned: float = 0.0) -> Design:
@@ -66,16 +64,15 @@ def wedge(angle: float, edge_mm: float, turned: float = 0.0) -> Design:
     """
     count = max(3, round(angle / 6.0))
     turn = np.radians(turned + angle * (np.arange(count + 1) / count - 0.5))
-    arc = RADIUS * np.column_stack([np.cos(turn), np.sin(turn)])
-    border = arc[:-1] if angle == 360.0 else np.concatenate([np.zeros((1, 2)), arc])
+    border = np.concatenate([np.zeros((1, 2)), RADIUS * np.column_stack([np.cos(turn), np.sin(turn)])])
     length = {"profile": "radial", "from": 0.0, "to": 1.2, "over_mm": 0.5 * RADIUS}
-    first = len(border) > count  # with a tip the first side leads from there to the arc
     return Design.from_dict(
         {
             "stars": {"length_mm": length, "thickness_mm": 0.3},
             "border": {"polygon_mm": border.tolist()},
             "mesh": {"edge_mm": edge_mm},
-            "pins": [{"edges": [first + k for k in range(count)]}, {"points_mm": [[0.0, 0.0]]}],
+            # the first side leads from the tip to the arc
+            "pins": [{"edges": list(range(1, count + 1))}, {"points_mm": [[0.0, 0.0]]}],
         }
     )
 

@@ -90,9 +90,6 @@ def test_distances_do_not_depend_on_where_the_other_shape_lies(quaternion, far):
     assert there.record.heights_mm[1] == pytest.approx(here.record.heights_mm[1], abs=1e-6)
 
 
-TILTED = Rotation.from_euler("x", 10, degrees=True).as_matrix()
-
-
 @pytest.mark.parametrize(
     ("pins", "free"),
     [([], 6), ([{"edges": [0]}], 1), ([{"where": "border"}], 0), ([{"corners": [0, 2, 4]}], 0)],
@@ -127,8 +124,8 @@ def test_weight_says_how_a_sheet_hangs():
     """On a needle it turns about the plumb line alone."""
     held = design(pins=[{"points_mm": [[0.0, 0.0]]}])
     one, plan = shape(held, lumpy), layout(held)
-    turn = Rotation.from_euler("z", 70, degrees=True).as_matrix()
-    turned, tilted = (replace(one, positions=one.positions @ motion.T) for motion in (turn, TILTED))
+    motions = Rotation.from_euler("z", 70, degrees=True), Rotation.from_euler("x", 10, degrees=True)
+    turned, tilted = (replace(one, positions=motion.apply(one.positions)) for motion in motions)
     for gravity, free, off in ((None, 3, False), ((0.0, 0.0, -1.0), 1, True)):
         found = [compare_shapes(one, other, plan, symmetries(held, plan), gravity) for other in (turned, tilted)]
         assert found[0].free_motions == free
