@@ -19,8 +19,8 @@ from asterism.previews.fields.star_cells import StarCells
 from asterism.previews.session import Preview
 from asterism.previews.sheet import Sheet
 from asterism.shape.comparison import compare_shapes
-from asterism.shape.shape import Shape
 from tests.asterism.previews.laws import plain_law
+from tests.asterism.verification.printed import shape
 
 ROUND = {"circle_mm": {"centre": [0, 0], "radius": 8}}
 
@@ -70,25 +70,21 @@ def test_a_sheet_with_a_hole_is_certified_and_compared_with_its_images() -> None
     sheet = Sheet.of(design, plan, plain_law())
     assert sheet.table.weights.sum() == pytest.approx(plan.area_mm2)
     preview = Preview(design, plain_law())
-    shape = preview.shape()
+    shown, same = preview.shape(), symmetries(design, plan)
     assert preview.equilibrium.is_minimum
     with pytest.raises(ValueError, match="off the sheet"):
-        shape.at(np.array([[0.0, 0.0]]))
-    same = symmetries(design, plan)
-    compared = compare_shapes(shape, shape, plan, same)
+        shown.at(np.array([[0.0, 0.0]]))
+    compared = compare_shapes(shown, shown, plan, same)
     assert len(same) > 1 and compared.rms_percent == pytest.approx(0.0, abs=1e-9)
 
 
 def test_volumes_are_over_the_level_of_the_outline_and_not_of_the_hole() -> None:
-    plan = layout(holed([ROUND]))
+    design = holed([ROUND])
+    plan = layout(design)
     mesh = mesh_layout(plan, 4.0)
-    star = np.full(len(mesh.points), -1)
-    star[mesh.star_vertices] = plan.star_number
-    flat, raised = (
-        Shape(mesh.points, np.column_stack([mesh.points, height]), mesh.triangles, star, mesh.rods, mesh.star_vertices)
-        for height in (np.zeros(len(mesh.points)), 5.0 - 0.1 * np.linalg.norm(mesh.points, axis=1))
-    )
-    compared = compare_shapes(raised, flat, plan, symmetries(holed([ROUND]), plan)[:1])
+    flat = shape(design, lambda p: np.column_stack([p, np.zeros(len(p))]), 4.0)
+    raised = shape(design, lambda p: np.column_stack([p, 5.0 - 0.1 * np.linalg.norm(p, axis=1)]), 4.0)
+    compared = compare_shapes(raised, flat, plan, symmetries(design, plan)[:1])
     volumes, mean = compared.record.volumes_mm3, compared.reference_mean
     # a rigid motion of least squares, on a mesh that is not quite symmetric, tilts the flat sheet a little
     assert volumes is not None and volumes[1] == pytest.approx(0.0, abs=1e-4 * volumes[0])

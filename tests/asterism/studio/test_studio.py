@@ -1,4 +1,4 @@
-"""Documents and pages: edits, undo, files and slots, and what the engine is told when another design opens."""
+"""Documents and pages: edits, undo, files and slots, designs that open, and the shapes that are kept for pages."""
 
 from __future__ import annotations
 
@@ -10,15 +10,17 @@ from starlette.testclient import TestClient
 
 from asterism.pattern import gallery
 from asterism.pattern.layout.build import load_design
-from asterism.studio import jobs
+from asterism.studio import frames, jobs
 from asterism.studio.examples import MAX_FILES
 from asterism.studio.file_names import shown_path
-from asterism.studio.messages import Edit
+from asterism.studio.messages import Edit, Form, ShapeSummary
+from asterism.studio.pages import Shown, Tab
 from asterism.studio.studio import Studio
 from tests.asterism.studio.conftest import Page, upload
-from tests.asterism.studio.flat_frames import flat_frame
+from tests.asterism.studio.flat_frames import SQUARE, flat_frame, flat_places, unpack
 from tests.asterism.studio.quick_engines import GATE
 from tests.asterism.studio.test_target import ROOF
+from tests.event_loop import run_coroutine
 
 
 def test_a_gesture_is_one_step_of_undo(page: Page, studio: Studio):
@@ -254,3 +256,47 @@ def test_a_design_that_does_not_open_points_at_nothing_of_the_design_that_stays(
     assert (problem["field"], problem["stars"], problem["at_mm"]) == ("", [], None)
     page.send(type="hello")
     assert page.until("document")["path"] == before["path"]
+
+
+def test_a_page_gets_a_mesh_before_the_first_shape_on_it_and_again_when_it_may_have_forgotten_it() -> None:
+    sent: list[int] = []
+
+    class Socket:
+        async def send_bytes(self, frame: bytes) -> None:
+            kind, header, _ = unpack(frame)
+            number = numbers[header["mesh"]]
+            sent.append(-number if kind == frames.MESH else number)
+
+    async def draw(*which: int) -> None:
+        for number in which:
+            await tab._draw(Socket(), meshes[number - 1], 0)  # type: ignore[arg-type]
+
+    tab, meshes = Tab(1), [flat_frame(1, printed=number * SQUARE) for number in range(1, 8)]
+    numbers = {frame.mesh: number for number, frame in enumerate(meshes, 1)}
+    run_coroutine(draw(1, 2, 1, *range(3, 8), 1, 2))
+    assert sent == [-1, 1, -2, 2, 1, *(sign * number for number in range(3, 8) for sign in (-1, 1)), 1, -2, 2]
+
+
+def test_a_kept_shape_is_complete_and_is_there_as_long_as_it_is_held() -> None:
+    shown = Shown()
+    assert shown.keep_shown() is None
+    shown.add_frame(flat_frame(1, height=2.0, beside={"before": flat_places(3.0)}), 0, ())
+    kept = shown.keep_shown()
+    assert kept is not None and shown.kept[kept.number] is kept
+    shown.add_frame(flat_frame(1, height=5.0), 1, ())
+    _, header, arrays = unpack(kept.packed())
+    assert header["stage"] == "equilibrium" and arrays["positions"][:, 2].tolist() == 4 * [2.0]
+    assert {"printed", "triangles", "outline", "arm_site"} < arrays.keys() and "before" not in arrays
+    del kept
+    assert len(shown.kept) == 0
+
+
+def test_a_form_has_its_shape_until_the_next_summary() -> None:
+    shown = Shown()
+    summary = ShapeSummary(1, {}, (), (Form(-1, "up", 0.0, True), Form(0, "down", 2.0, False)))
+    shown.add_summary(summary, 0)
+    shown.add_form(flat_frame(1, height=3.0, form=0))
+    here, other = shown.state()["forms"]
+    assert here["shape"] is None and shown.kept[other["shape"]].frame.stage == "equilibrium"
+    shown.add_summary(summary, 1)
+    assert [form["shape"] for form in shown.state()["forms"]] == [None, None]
