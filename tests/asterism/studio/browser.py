@@ -195,11 +195,18 @@ class StudioPage:
         )
         return x, y
 
+    def press(self, start: Sequence[float], *places: Sequence[float]) -> None:
+        """Press at a place in the window, and move over others."""
+        self.page.mouse.move(*start)
+        self.page.mouse.down()
+        for place in places:
+            self.page.mouse.move(*place, steps=4)
+
+    def draw(self, *places: Sequence[float]) -> None:
+        """Press at the first printed place, and move over the others."""
+        self.press(*map(self.point, places))
+
     def drag(self, *places: Sequence[float]) -> None:
-        """Press at the first place, move over the others, and let go."""
-        mouse = self.page.mouse
-        mouse.move(*self.point(places[0]))
-        mouse.down()
-        for place in places[1:]:
-            mouse.move(*self.point(place), steps=4)
-        mouse.up()
+        """The same, and let go."""
+        self.draw(*places)
+        self.page.mouse.up()

@@ -113,10 +113,8 @@ def test_needles_follow_another_stretch_by_one_button(page: StudioPage) -> None:
 def test_a_sheet_that_is_too_large_for_the_printer_is_told_while_it_is_drawn(page: StudioPage) -> None:
     assert not page.item("too-large").count()
     page.item("tool-outline").click()
-    corner = page.get("studio.document.plan.outline_mm")[0]
-    page.page.mouse.move(*page.point(corner))
-    page.page.mouse.down()
-    page.page.mouse.move(*page.point((corner[0] + 4.0, corner[1] + 260.0)), steps=4)
+    x, y = page.get("studio.document.plan.outline_mm")[0]
+    page.draw((x, y), (x + 4.0, y + 260.0))
     page.wait("document.querySelector('[data-testid=too-large]')")  # the button is still down
     page.page.keyboard.press("Escape")
     page.page.mouse.up()

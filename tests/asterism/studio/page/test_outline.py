@@ -185,12 +185,9 @@ def border(page: StudioPage) -> dict[str, Any]:
 def dragged(page: StudioPage, start: Sequence[float], end: Sequence[float]) -> float:
     """Drag in the plan; mm between the outline and holes drawn while dragging and those that the server makes."""
     revision = page.get("studio.revision")
-    mouse = page.page.mouse
-    mouse.move(*page.point(start))
-    mouse.down()
-    mouse.move(*page.point(end), steps=4)
+    page.draw(start, end)
     drawn = page.get("[studio.sheet.outline, ...studio.sheet.holes]")
-    mouse.up()
+    page.page.mouse.up()
     page.wait(f"studio.revision !== {revision} && !studio.isWaiting")
     page.rest()
     made = page.get("[studio.document.plan.outline_mm, ...studio.document.plan.holes_mm]")

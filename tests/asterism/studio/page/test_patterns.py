@@ -44,11 +44,9 @@ def test_the_brush_paints_rods_while_it_is_dragged(flat: StudioPage, folder: Pat
     for name, value in (("target", 3), ("radius", 6), ("strength", 100)):
         flat.fill(name, value)
     widest = "Math.max(...studio.rods.flatMap((rod) => rod.width_mm))"
-    mouse = flat.page.mouse
-    mouse.move(*flat.point((-10.0, 0.0)))
-    mouse.down()
+    flat.draw((-10.0, 0.0))
     flat.wait(f"{widest} > 2.9")  # drawn before the server answers
-    mouse.up()
+    flat.page.mouse.up()
     flat.wait("studio.document.design.rods.width_mm?.image && !studio.isWaiting")
     drawn = flat.get("studio.document.plan.rods")
     widths = {tuple(at): width for rod in drawn for at, width in zip(rod["points_mm"], rod["width_mm"], strict=True)}
