@@ -11,8 +11,7 @@ from tests.asterism.studio.browser import StudioPage
 
 
 def canopy(page: StudioPage) -> StudioPage:
-    page.open_again("file-canopy.toml")
-    page.item("tool-needles").click()
+    page.open_again("file-canopy.toml", "needles")
     return page
 
 
@@ -27,8 +26,7 @@ def table(page: StudioPage) -> dict[str, list[list[float]]]:
 
 
 def test_four_clicks_on_a_free_sheet_carry_it(flat: StudioPage) -> None:
-    flat.open_again("file-even.toml")
-    flat.item("tool-needles").click()
+    flat.open_again("file-even.toml", "needles")
     corners = flat.get("studio.document.plan.outline_mm")
     for k in (0, 2, 3, 5):
         flat.changed(lambda k=k: flat.page.mouse.click(*flat.point(corners[k])))  # type: ignore[misc]
@@ -74,8 +72,7 @@ def test_a_needle_is_duplicated_moved_and_removed_and_the_sheet_freed(page: Stud
 
 
 def test_a_group_is_split_and_its_needles_are_lifted_alone_and_together(flat: StudioPage) -> None:
-    flat.open_again("file-even.toml")
-    flat.item("tool-needles").click()
+    flat.open_again("file-even.toml", "needles")
     flat.changed(lambda: flat.item("hold-corners").click())
     flat.page.evaluate("document.getElementById('plan-canvas').focus()")
     flat.changed(lambda: flat.page.keyboard.press("PageUp"))  # the whole group, which is chosen

@@ -16,8 +16,7 @@ CORNERS_MM = [(0.0, 0.0), (120.0, 0.0), (120.0, 90.0), (60.0, 70.0), (0.0, 90.0)
 
 @pytest.fixture
 def page(flat: StudioPage) -> StudioPage:
-    flat.open_again("file-plain.toml")
-    flat.item("tool-outline").click()
+    flat.open_again("file-plain.toml", "outline")
     return flat
 
 
@@ -233,8 +232,7 @@ def test_supports_stay_when_corners_come_and_go(flat: StudioPage, folder: Path, 
         "[[pins]]\ncorners = [0, 3]\nscale = 0.8\n[mesh]\nedge_mm = 0.2\n",
         encoding="utf-8",
     )
-    flat.open_again("file-held.toml")
-    flat.item("tool-outline").click()
+    flat.open_again("file-held.toml", "outline")
 
     def numbers() -> list[list[int]]:
         return [table.get("edges") or table["corners"] for table in flat.get("studio.document.design.pins")]

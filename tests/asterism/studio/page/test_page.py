@@ -50,8 +50,7 @@ def test_a_verification_is_cancelled_or_says_the_distance_and_whether_the_design
     shared.item("verify-panel").click()
     shared.wait("studio.isBeside && document.querySelector('[data-testid=verified]')")
     is_old = "document.querySelector('[data-testid=verification]').textContent.includes('has changed since')"
-    shared.item("save").click()
-    shared.wait("studio.document.saved")
+    shared.save()
     assert not shared.get(is_old)
     shared.drag((0, 0), (4, 4))
     shared.wait(is_old)

@@ -100,8 +100,7 @@ def test_all_unsaved_work_is_shown_and_brought_back_or_forgotten(flat: StudioPag
     flat.item("kept-.left.autosave-2.toml").get_by_text("Bring it back").click()
     flat.wait("studio.document.design.name === 'two' && !studio.document.kept_work.length")
     flat.page.keyboard.press("Escape")
-    flat.item("save").click()
-    flat.wait("studio.document.saved")
+    flat.save()
     assert 'name = "two"' in (folder / "left.toml").read_text("utf-8") and not list(folder.glob(".left.autosave*"))
 
 
@@ -116,8 +115,7 @@ def test_a_proxy_that_blocks_websockets_is_named(browser: Any, address: str) -> 
 def test_saving_asks_before_it_replaces_a_file_with_a_mistake(flat: StudioPage, folder: Path) -> None:
     file = folder / "roof.toml"
     file.write_text((folder / "canopy.toml").read_text(encoding="utf-8"), encoding="utf-8")
-    flat.open("file-roof.toml")
-    flat.item("tool-brush").click()
+    flat.open("file-roof.toml", "brush")
     flat.changed(lambda: flat.drag((0, 0), (5, 5)))
     file.write_text(BROKEN, encoding="utf-8")
     flat.item("save").click()

@@ -19,8 +19,7 @@ from tests.asterism.studio.browser import StudioPage
     ],
 )
 def test_escape_calls_a_stroke_off(flat: StudioPage, tool: str, places: list[tuple[float, float]]) -> None:
-    flat.open_again("file-even.toml" if tool == "needles" else "file-plain.toml")
-    flat.item(f"tool-{tool}").click()
+    flat.open_again("file-even.toml" if tool == "needles" else "file-plain.toml", tool)
     before, design = flat.get("studio.sizes"), flat.get("studio.document.design")
     steps = flat.get("studio.document.can_undo")
     if tool == "outline":
@@ -38,8 +37,7 @@ def test_escape_calls_a_stroke_off(flat: StudioPage, tool: str, places: list[tup
 
 
 def test_two_fingers_zoom_and_do_not_paint(flat: StudioPage) -> None:
-    flat.open_again("file-plain.toml")
-    flat.item("tool-brush").click()
+    flat.open_again("file-plain.toml", "brush")
     before, scale = flat.get("studio.sizes"), flat.point((10.0, 0.0))[0] - flat.point((0.0, 0.0))[0]
     touch = flat.page.context.new_cdp_session(flat.page)
 
@@ -81,8 +79,7 @@ def test_strokes_without_a_connection_follow_when_it_is_there_again(new_flat: Ca
 
 def test_a_stroke_on_the_sheet_in_space_paints(shared: StudioPage) -> None:
     page = shared
-    page.open_again("file-plain.toml")
-    page.item("tool-brush").click()
+    page.open_again("file-plain.toml", "brush")
     page.item("view").focus()
     page.page.keyboard.press("2")  # from above
     page.item("view").hover()
@@ -110,8 +107,7 @@ def test_a_stroke_on_the_sheet_in_space_paints(shared: StudioPage) -> None:
 
 
 def test_a_pen_that_is_pressed_less_paints_less(flat: StudioPage) -> None:
-    flat.open_again("file-plain.toml")
-    flat.item("tool-brush").click()
+    flat.open_again("file-plain.toml", "brush")
     pen = flat.page.context.new_cdp_session(flat.page)
     x, y = flat.point((0.0, 0.0))
     before, changes = flat.get("studio.sizes"), []

@@ -103,8 +103,7 @@ def test_a_shape_that_is_forgotten_before_it_is_drawn_does_not_stop_the_next_one
 
 def test_the_camera_follows_a_sheet_that_leaves_the_picture_or_becomes_small(shared: StudioPage) -> None:
     page = shared
-    page.open_again("file-seven.toml")
-    page.item("tool-outline").click()
+    page.open_again("file-seven.toml", "outline")
 
     def distance() -> float:
         return float(page.get("studio.camera.distance"))
