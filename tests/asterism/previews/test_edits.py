@@ -212,12 +212,8 @@ def test_the_linear_response_is_right_to_first_order() -> None:
         nodes = preview.shell.node_positions
         errors.append(np.abs(nodes(linear.x) - nodes(final.x)).max())
     assert errors[0] < 0.2 and errors[1] < 0.02 * errors[0]
-
-
-def test_pins_at_other_points_start_anew() -> None:
-    preview = Preview(needles(0.0, 0.0, 0.0, 0.0))
-    (stage,) = preview.edit(edited("dome", pins=[{"points_mm": POINTS[:3]}]))
-    assert stage.name == "equilibrium"
+    # pins at other points start anew
+    assert [stage.name for stage in preview.edit(edited("dome", pins=[{"points_mm": POINTS[:3]}]))] == ["equilibrium"]
 
 
 @pytest.mark.slow
