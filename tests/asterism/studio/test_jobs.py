@@ -61,9 +61,7 @@ def test_one_job_runs_at_a_time_and_can_be_cancelled(page: Page, studio: Studio)
 
 
 @pytest.mark.slow
-def test_files_of_an_export_can_be_downloaded_if_they_are_below_the_folder(
-    page: Page, client: TestClient, folder: Path
-):
+def test_files_of_an_export_can_be_downloaded_if_below_the_folder(page: Page, client: TestClient, folder: Path):
     (folder.parent / "outside.txt").write_text("secret", encoding="utf-8")
     page.until("document")
     page.send(type="export", printer="prusa-mk4", preview=False)

@@ -37,9 +37,7 @@ def test_painting_changes_the_shape_as_the_saved_file_and_undo_brings_the_sizes_
     assert flat.get("studio.sizes") == sizes
 
 
-def test_a_verification_is_cancelled_or_says_the_distance_and_whether_the_design_has_changed(
-    shared: StudioPage,
-) -> None:
+def test_a_verification_is_cancelled_or_says_the_distance_and_if_the_design_has_changed(shared: StudioPage) -> None:
     shared.open("gallery-star")
     shared.wait("studio.badge.kind === 'exact'")
     height = shared.get("studio.height")

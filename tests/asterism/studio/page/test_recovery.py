@@ -56,9 +56,7 @@ def test_an_engine_that_ends_is_replaced_and_the_end_of_the_studio_is_told(brows
     made.close()
 
 
-def test_a_file_that_changes_on_disk_is_followed_and_earlier_states_are_pictures(
-    flat: StudioPage, folder: Path
-) -> None:
+def test_a_file_that_changes_on_disk_is_followed_and_former_states_are_pictures(flat: StudioPage, folder: Path) -> None:
     file = folder / "followed.toml"
     file.write_text(SEVEN, "utf-8")
     flat.open("file-followed.toml")
@@ -126,9 +124,7 @@ def test_saving_asks_before_it_replaces_a_file_with_a_mistake(flat: StudioPage, 
     assert "override" in file.read_text(encoding="utf-8")
 
 
-def test_the_first_page_lists_a_design_that_is_put_into_the_folder_while_it_is_shown(
-    flat: StudioPage, folder: Path
-) -> None:
+def test_the_first_page_lists_a_design_put_into_the_folder_while_it_is_shown(flat: StudioPage, folder: Path) -> None:
     flat.open_again("file-even.toml")
     flat.item("open").click()
     (folder / "late.toml").write_text((folder / "canopy.toml").read_text(encoding="utf-8"), encoding="utf-8")
