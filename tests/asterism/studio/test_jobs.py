@@ -18,6 +18,8 @@ from tests.asterism.studio.conftest import HOST, TOKEN, Page
 from tests.asterism.studio.quick_engines import GATE
 from tests.asterism.studio.test_target import send_roof
 
+pytestmark = pytest.mark.slow
+
 ROOM = "tests.asterism.studio.quick_engines"
 
 
@@ -33,7 +35,6 @@ def name_it(page: Page, name: str) -> None:
     page.until("document", gesture=1)
 
 
-@pytest.mark.slow
 def test_a_verification_ends_with_the_exact_shape_and_numbers(page: Page, studio: Studio):
     name_it(page, "quick")
     page.send(type="verify")
@@ -45,7 +46,6 @@ def test_a_verification_ends_with_the_exact_shape_and_numbers(page: Page, studio
     assert studio.jobs.data() == {} and studio.badge()["words"] == "Exact, mesh error 0.7 %"
 
 
-@pytest.mark.slow
 def test_one_job_runs_at_a_time_and_can_be_cancelled(page: Page, studio: Studio):
     name_it(page, "wait")
     page.send(type="verify")
@@ -60,7 +60,6 @@ def test_one_job_runs_at_a_time_and_can_be_cancelled(page: Page, studio: Studio)
     assert page.until("result")["job"] == "export"
 
 
-@pytest.mark.slow
 def test_files_of_an_export_can_be_downloaded_if_below_the_folder(page: Page, client: TestClient, folder: Path):
     (folder.parent / "outside.txt").write_text("secret", encoding="utf-8")
     page.until("document")
@@ -71,7 +70,6 @@ def test_files_of_an_export_can_be_downloaded_if_below_the_folder(page: Page, cl
     assert client.get(f"http://{HOST}/{TOKEN}/file/dome-print/a.stl").content == b"solid"
 
 
-@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="Windows keeps files in use")
 @pytest.mark.parametrize("how", ["cancel", "kill"])
 def test_a_job_that_is_ended_leaves_no_hidden_folder(
@@ -90,7 +88,6 @@ def test_a_job_that_is_ended_leaves_no_hidden_folder(
     assert page.until("state")["jobs"] == {} and [file.name for file in folder.iterdir()] == ["dome.toml"]
 
 
-@pytest.mark.slow
 @pytest.mark.skipif(os.name == "nt", reason="Windows has no fork")
 def test_a_job_counts_as_ended_although_a_process_of_its_own_goes_on(
     page: Page, studio: Studio, monkeypatch: pytest.MonkeyPatch
@@ -116,7 +113,6 @@ def shown(page: Page, studio: Studio) -> dict[str, Any]:
     return studio.document.table
 
 
-@pytest.mark.slow
 def test_a_fitted_design_keeps_its_name_and_the_target_is_laid_on_a_free_sheet(
     client: TestClient, page: Page, studio: Studio
 ) -> None:
@@ -128,7 +124,6 @@ def test_a_fitted_design_keeps_its_name_and_the_target_is_laid_on_a_free_sheet(
     assert isinstance(studio.engine.link.edits[-1], FitTarget)  # type: ignore[attr-defined]
 
 
-@pytest.mark.slow
 def test_a_target_that_is_moved_meanwhile_gets_the_pose_of_the_fit_unless_it_has_another_size(
     client: TestClient, page: Page, studio: Studio, gate: Path
 ) -> None:
@@ -153,7 +148,6 @@ def test_a_target_that_is_moved_meanwhile_gets_the_pose_of_the_fit_unless_it_has
             assert target.unit == "cm" and (target.rotation == before.rotation).all()
 
 
-@pytest.mark.slow
 def test_a_fit_for_another_design_is_left_out(client: TestClient, page: Page, studio: Studio, gate: Path) -> None:
     shown(page, studio)
     send_roof(client)
@@ -167,7 +161,6 @@ def test_a_fit_for_another_design_is_left_out(client: TestClient, page: Page, st
     assert studio.document is not None and studio.document.table["border"] != {"rings": 1}
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("error", [TypeError("of two\nlines"), OSError("of two\nlines")])
 def test_whatever_goes_wrong_with_a_result_is_one_line_of_the_page(
     error: Exception, client: TestClient, page: Page, studio: Studio, monkeypatch: pytest.MonkeyPatch
@@ -186,7 +179,6 @@ def test_whatever_goes_wrong_with_a_result_is_one_line_of_the_page(
     assert studio.document is not None and studio.document.table == before
 
 
-@pytest.mark.slow
 def test_a_fit_can_be_cancelled_and_may_have_no_answer(client: TestClient, page: Page, studio: Studio) -> None:
     before = shown(page, studio)
     page.send(type="fit", seq=3)
