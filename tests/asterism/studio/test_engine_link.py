@@ -117,11 +117,8 @@ def test_a_design_that_ends_every_engine_waits_for_another_edit():
     async def test(links: Links) -> None:
         links.link.edit(Edit(1, {"die": True}))
         await links.until(lambda: links.link.status == "failed")
-        assert isinstance(links.messages[-1], StudioProblem) or any(
-            isinstance(message, StudioProblem) for message in links.messages
-        )
-        deaths = sum(isinstance(message, Busy) for message in links.messages)
-        assert deaths == 2
+        assert any(isinstance(message, StudioProblem) for message in links.messages)
+        assert sum(isinstance(message, Busy) for message in links.messages) == 2  # as many engines have ended
         links.link.edit(Edit(2, {"name": "a"}))
         await links.until(lambda: bool(links.frames(2)) and links.link.status == "ready")
 
