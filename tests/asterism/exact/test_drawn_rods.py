@@ -11,6 +11,8 @@ import asterism
 from asterism.shape.vtu import read_shape
 from tests.asterism.commands import Cli
 
+pytestmark = pytest.mark.slow
+
 RING = """
 [rods]
 thickness_mm = 0.8
@@ -34,7 +36,6 @@ def design(tmp_path: Path) -> Path:
     return path
 
 
-@pytest.mark.slow
 def test_simulate_writes_a_certified_shape(design: Path, cli: Cli) -> None:
     done = cli(["simulate", str(design), "--quiet"]).done
     assert "3, 2 joints" in done.out and "stars" not in done.out
@@ -45,7 +46,6 @@ def test_simulate_writes_a_certified_shape(design: Path, cli: Cli) -> None:
     assert shape.layout is not None and len(shape.layout.rim) == 2
 
 
-@pytest.mark.slow
 def test_parallel_lines_roll_contract_and_count_their_mirror_images_once() -> None:
     lines = [{"line_mm": [(-20, y), (20, y)]} for y in range(-20, 21, 4)]
     data = {"rods": {"draw": lines}, "border": {"rectangle_mm": (42.0, 42.0)}, "mesh": {"edge_mm": 4.0}}
@@ -56,7 +56,6 @@ def test_parallel_lines_roll_contract_and_count_their_mirror_images_once() -> No
     assert 0.75 < summary.contraction < 0.9  # across the lines about 0.67, along them 1
 
 
-@pytest.mark.slow
 def test_a_sheet_with_a_hole_is_certified_and_softer(design: Path) -> None:
     text = RING + "[[border.holes]]\ncircle_mm = { centre = [0, 9], radius = 5 }\n"
     whole = asterism.simulate(asterism.load_design(design))
@@ -85,7 +84,6 @@ bending = "paper"
 """
 
 
-@pytest.mark.slow
 def test_stars_within_a_rim_are_certified_up_and_exported(here: Path, cli: Cli) -> None:
     path = here / "beside.toml"
     path.write_text(BESIDE, encoding="utf-8")

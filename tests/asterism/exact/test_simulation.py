@@ -1,30 +1,34 @@
-"""simulate: the numbers of the summary, what they are made from, and what it warns of."""
+"""simulate: the numbers of the summary, what they are made from, warnings, and forces between plastic and fabric."""
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from PIL import Image
 
 import asterism
-from asterism.exact.simulation import exact_shape, exact_warnings
-from asterism.pattern import gallery
+from asterism.discrete.model.discrete_model import DiscreteModel
+from asterism.discrete.model.state import State
+from asterism.exact.simulation import exact_shape, exact_warnings, line_forces
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.materials import Fabric
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
+from asterism.pattern.mesh.meshing import mesh_layout
+from asterism.reports.write_results import write_results
 from asterism.results.record import keys_of
 from asterism.results.records.exact import ExactRecord
 from asterism.shape.comparison import compare_shapes
+from asterism.shape.shape import Shape
+from tests.asterism.previews.designs import edited
 
 
 def small(name: str = "tube", **sections: dict) -> Design:
-    data = gallery.load(name).to_dict()
-    data["border"] = {"rings": 1}
-    data["mesh"] = {"edge_mm": 3.0}
-    return Design.from_dict(data | sections)
+    return edited(name, **{"border": {"rings": 1}, "mesh": {"edge_mm": 3.0}} | sections)
 
 
 @pytest.fixture(scope="module")
@@ -60,16 +64,6 @@ def test_pinned_sheets_stay_where_the_pins_hold_them() -> None:
     np.testing.assert_allclose(shape.positions[rim, :2], 0.74 * shape.printed[rim], atol=1e-12)
     np.testing.assert_allclose(shape.positions[rim, 2], 0.0, atol=1e-12)
     assert shape.held and shape.summary["extent_mm"][2] == shape.summary["height_mm"]
-
-
-@pytest.mark.slow
-def test_weight_pulls_a_pinned_sheet_down() -> None:
-    fabric = {"modulus_mpa": 1.0}
-    corners = [{"where": "corners", "scale": 0.8}]
-    light = exact_shape(small(fabric=fabric, pins=corners))
-    heavy = exact_shape(small(fabric=fabric, pins=corners, gravity={"on": True, "acceleration_m_s2": 92.0}))
-    assert heavy.positions[:, 2].mean() < light.positions[:, 2].mean() - 0.1
-    assert heavy.summary["gravity"] != 0.0
 
 
 @pytest.mark.slow
@@ -164,3 +158,56 @@ def test_a_free_roll_on_a_coarse_mesh_has_no_certain_radius(axis: float | None, 
     free = Design.from_dict({"stars": {"length_mm": 8.0}, "border": {"rings": 2}} | hinges)
     summary = ExactRecord.from_json(SUMMARY | {"roll_axis_deg": axis, "edge_mm": edge})
     assert ["depends on the mesh" in line for line in exact_warnings(summary, free, layout(free))] == [True] * told
+
+
+def star_shape(edge_mm: float, **fabric: float) -> Shape:
+    """A single star of the paper's sizes."""
+    data = {"border": {"rings": 0}, "stars": {"length_mm": 10.0, "thickness_mm": 0.3}, "mesh": {"edge_mm": edge_mm}}
+    shape = exact_shape(Design.from_dict({**data, "fabric": fabric}))
+    assert shape.summary["is_minimum"]
+    return shape
+
+
+def test_a_rod_in_a_given_shape_needs_the_forces_of_beam_theory() -> None:
+    """A deflection `a x^4` needs the line load `24 a EI` upwards, a displacement `b x^2` the load `-2 b EA`."""
+    length, width, thickness = 40.0, 1.2, 0.4
+    rods = {"draw": [{"line_mm": [[-length / 2, 0], [length / 2, 0]]}], "thickness_mm": thickness, "width_mm": width}
+    border = {"rectangle_mm": [60.0, 20.0]}
+    design = Design.from_dict({"border": border, "rods": rods, "fabric": {"bending": "paper"}})
+    plan = layout(design)
+    model = DiscreteModel(design, plan, mesh_layout(plan, 1.0, "delaunay"))
+    at, rod = model.printed_state().positions, model.mesh.rods[0]
+    x, modulus = at[:, 0], design.fabric.modulus * design.plastic.modulus_ratio
+    inner = np.abs(x[rod][1:] + x[rod][:-1]) < 28.0  # away from the ends, where the rest curvature acts
+    for a, b in ((2e-8, 0.0), (-2e-8, 0.0), (0.0, 1e-6)):
+        # the second term along x keeps the length of the bent rod
+        moved = at + np.column_stack([b * x**2 - 8.0 * a**2 * x**7 / 7.0, 0 * x, a * x**4])
+        slope = np.diff(moved[rod, 2]) / np.diff(moved[rod, 0])
+        up = np.column_stack([-slope, 0 * slope, np.ones(len(slope))])
+        state = State(moved, up / np.linalg.norm(up, axis=1, keepdims=True))
+        forces = line_forces(model, state)
+        bending = modulus * width * thickness**3 / 12.0
+        peel, shear = -24.0 * a * bending, 2.0 * b * modulus * width * thickness
+        error = 0.01 * max(abs(peel), shear)
+        assert forces["peel_n_per_mm"][inner] == pytest.approx(peel, abs=error)
+        assert forces["shear_n_per_mm"][inner] == pytest.approx(shear, abs=error)
+
+
+@pytest.mark.slow
+def test_forces_are_proportional_to_the_moduli_and_converge_with_the_mesh() -> None:
+    half, coarse, fine = (star_shape(edge, modulus_mpa=e).summary for edge, e in ((2.4, 1.0), (2.4, 2.0), (1.2, 2.0)))
+    assert coarse["peel_star"] == 0
+    for name in ("peel_n_per_mm", "shear_n_per_mm"):
+        assert coarse[name] == pytest.approx(2.0 * half[name], rel=1e-5)
+        assert coarse[name] == pytest.approx(fine[name], rel=0.05)
+
+
+@pytest.mark.slow
+def test_the_bond_is_drawn_where_its_forces_are_known(tmp_path: Path) -> None:
+    known, unknown = star_shape(3.0, modulus_mpa=2.0), star_shape(3.0)
+    assert "bond.png" in write_results(known, tmp_path / "known")
+    red, _, blue = np.moveaxis(np.asarray(Image.open(tmp_path / "known" / "bond.png").convert("RGB"), dtype=int), 2, 0)
+    assert np.count_nonzero(red > blue + 60) > 200
+    assert "bond.png" not in write_results(unknown, tmp_path / "unknown")
+    assert unknown.summary["peel_n_per_mm"] is None and "peel_n_per_mm" not in unknown.rod_fields
+    assert "fabric" not in unknown.summary.table()

@@ -116,10 +116,8 @@ class Hops:
         if kind in SENT_TYPES:
             return {"type": SENT_TYPES[kind], "data": json.dumps(value)}
         if kind == "Point":
-            return {
-                "type": "Rhino.Geometry.Point3d",
-                "data": json.dumps(dict(zip("XYZ", map(float, value), strict=True))),
-            }
+            place = dict(zip("XYZ", map(float, value), strict=True))
+            return {"type": "Rhino.Geometry.Point3d", "data": json.dumps(place)}
         geometry = self.mesh(*value) if kind == "Mesh" else self.curve(value)
         return {"type": f"Rhino.Geometry.{type(geometry).__name__}", "data": json.dumps(geometry.Encode())}
 

@@ -73,26 +73,20 @@ def run(monkeypatch: pytest.MonkeyPatch, address: str, key: str = "secret", **in
 
 def test_the_script_is_short_and_of_the_python_of_rhino():
     assert len([line for line in SCRIPT.splitlines() if line]) <= 65
-    tree = ast.parse(SCRIPT, feature_version=(3, 9))
-    modules = {
-        alias.name.split(".")[0] for node in ast.walk(tree) if isinstance(node, ast.Import) for alias in node.names
-    }
+    nodes = ast.walk(ast.parse(SCRIPT, feature_version=(3, 9)))
+    modules = {alias.name.split(".")[0] for node in nodes if isinstance(node, ast.Import) for alias in node.names}
     assert modules <= {"json", "urllib", "Rhino"}
 
 
-def test_the_script_shows_a_sheet(monkeypatch: pytest.MonkeyPatch, address: str):
-    left = run(monkeypatch, address, outline=Curve(hexagon(1)), lengths=[7.0])
-    shape = asterism.preview(asterism.Design.from_dict(tomllib.loads(left["design"])))
-    np.testing.assert_allclose(places(left["mesh"]), shape.positions, atol=1e-4)
-    assert left["mesh"].Faces.Count == len(shape.triangles) and len(left["arms"]) == 21
-    assert left["rim"].PointCount > 20 and left["error"] > 0.0
-
-
-def test_the_script_holds_a_sheet_on_needles_and_shows_warnings(monkeypatch: pytest.MonkeyPatch, address: str):
+def test_the_script_shows_a_sheet_on_needles_and_its_warnings(monkeypatch: pytest.MonkeyPatch, address: str):
     corners = hexagon(1)[:6:2]
     needles, targets = ([rhino3dm.Point3d(*(scale * corner)) for corner in corners] for scale in (1.0, 0.75))
     left = run(monkeypatch, address, outline=Curve(hexagon(1)), lengths=[7.0], needles=needles, targets=targets)
+    shape = asterism.preview(asterism.Design.from_dict(tomllib.loads(left["design"])))
     held = places(left["mesh"])
+    np.testing.assert_allclose(held, shape.positions, atol=1e-4)
+    assert left["mesh"].Faces.Count == len(shape.triangles) and len(left["arms"]) == 21
+    assert left["rim"].PointCount > 20 and left["error"] > 0.0
     assert all(np.linalg.norm(held - 0.75 * corner, axis=1).min() < 0.01 for corner in corners)
     left = run(monkeypatch, address, outline=Curve(hexagon(1)), lengths=[9.5])
     assert any(level == "orange" and "too tightly" in text for level, text in left["told"])

@@ -174,9 +174,7 @@ def test_the_sheet_turns_and_the_wheel_zooms_after_a_click(still: Any) -> None:
     still.wait_for_function(f"{camera}[1] > {0.8 * distance}")
 
 
-def test_a_slider_changes_every_picture_of_the_sheet_by_the_newest_request(
-    page: Any, preview: asterism.Preview
-) -> None:
+def test_a_slider_changes_all_pictures_of_the_sheet_by_the_newest_request(page: Any, preview: asterism.Preview) -> None:
     live = LiveSheet(preview, ["thickness", "stretch"])
     show(page, live.opening(), live, places=2)
     before = page.get_by_test_id("figures").first.inner_text()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pytest
 import scipy.sparse as sp
@@ -10,7 +12,6 @@ from hypothesis import strategies as st
 from scipy.spatial import cKDTree
 
 from asterism.fem.search.simple_shapes import SimpleShape
-from asterism.homogenize.cell.unit_cell import UnitCell
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.geometry.planar import distance_to_outline
@@ -21,6 +22,7 @@ from asterism.previews.fields.star_cells import CELL_RADIUS
 from asterism.previews.fields.star_values import star_values
 from asterism.previews.session import Preview
 from asterism.previews.sheet import Arms, Sheet, arm_shares, corrugation_heights
+from tests.asterism.previews.designs import edited
 from tests.asterism.previews.laws import SPACING, plain_law
 from tests.homogenize.cells import design as cell_design
 from tests.homogenize.cells import relaxed
@@ -28,21 +30,15 @@ from tests.homogenize.cells import relaxed
 EDGE = 1.15
 
 
-def sheet(pins: list[dict[str, object]], rings: int = 2) -> Preview:
-    data = gallery.load("tube").to_dict() | {"border": {"rings": rings}, "pins": pins}
-    return Preview(Design.from_dict(data), plain_law())
-
-
-def ends(preview: Preview) -> tuple[np.ndarray, np.ndarray]:
-    plan = preview.sheet.layout
-    return preview.at(plan.centres).bumpy[plan.arm_star], preview.at(plan.arm_tip).bumpy
+def free_sheet(**sections: Any) -> Preview:
+    return Preview(edited("tube", border={"rings": 2}, **sections), plain_law())
 
 
 @pytest.mark.slow
 def test_arms_keep_their_length_where_the_sheet_shrinks() -> None:
-    preview = sheet([])
+    preview = free_sheet()
     plan = preview.sheet.layout
-    one, other = ends(preview)
+    one, other = preview.at(plan.centres).bumpy[plan.arm_star], preview.at(plan.arm_tip).bumpy
     smooth = preview.at(plan.arm_tip).smooth - preview.at(plan.centres).smooth[plan.arm_star]
     assert np.median(np.linalg.norm(smooth, axis=1) / plan.arm_length) < 0.9
     assert np.median(np.linalg.norm(other - one, axis=1) / plan.arm_length) == pytest.approx(1.0, abs=0.04)
@@ -52,7 +48,10 @@ def test_arms_keep_their_length_where_the_sheet_shrinks() -> None:
 @pytest.mark.parametrize(("length", "off"), [(10.0, 0.28), (5.0, 0.26)])
 def test_fabric_beside_arms_follows_them_as_in_a_flat_cell(length: float, off: float) -> None:
     cell, flat = relaxed(length, 0.4, EDGE)
-    count, offset = cell.mesh.n_base, _from_star(cell)
+    count, lattice = cell.mesh.n_base, cell.design.lattice
+    from_first = cell.printed[:count] - cell.printed[cell.mesh.star_vertices[0]]
+    nearest = lattice.sites.nearest(from_first + np.asarray(lattice.origin_mm))
+    offset = from_first - nearest @ np.asarray(lattice.vectors)
     right = flat.state.positions[:count, :2] - cell.printed[:count] @ flat.deformation.T
     weights = cell.weights / cell.weights.sum()
     preview = Preview(cell_design(length, 0.4, border={"rings": 3}, fabric={}), plain_law())
@@ -65,44 +64,30 @@ def test_fabric_beside_arms_follows_them_as_in_a_flat_cell(length: float, off: f
 def test_what_ends_at_a_held_side_and_what_is_pinned_stay() -> None:
     """Arms that the border cuts, and a pin in the middle of an arm."""
     cut = {"border": {"rectangle_mm": [80.0, 60.0], "star_margin_mm": 2.0}, "stars": {"length_mm": 12.0}}
-    preview = Preview(
-        Design.from_dict(gallery.load("dome").to_dict() | cut | {"pins": [{"where": "border", "scale": 0.8}]}),
-        plain_law(),
-    )
+    held = {"pins": [{"where": "border", "scale": 0.8}]}
+    preview = Preview(Design.from_dict(gallery.load("dome").to_dict() | cut | held), plain_law())
     mesh = mesh_layout(preview.sheet.layout, 2.5)
     places = preview.at(mesh.points)
     corners = places.smooth[mesh.triangles], places.bumpy[mesh.triangles]
     smooth, bumpy = (np.linalg.norm(np.cross(c[:, 1] - c[:, 0], c[:, 2] - c[:, 0]), axis=1) for c in corners)
     assert distance_to_outline(preview.sheet.layout.arm_tip, preview.sheet.layout.outline).min() < 1.0
     assert (bumpy / smooth).max() < 2.0
-    pinned = sheet([{"points_mm": [[0.0, -4.0], [20.0, 20.0], [-20.0, 20.0]], "scale": 0.8}])
+    pinned = free_sheet(pins=[{"points_mm": [[0.0, -4.0], [20.0, 20.0], [-20.0, 20.0]], "scale": 0.8}])
     shares = arm_shares(pinned.sheet.arms, cKDTree(np.array([[0.0, -4.0]])))
     assert shares.max() < 1e-9
 
 
-def _from_star(cell: UnitCell) -> np.ndarray:
-    """(n, 2) mm, of the cell's vertices from the centre of the star that they are nearest to."""
-    lattice = cell.design.lattice
-    offset = cell.printed[: cell.mesh.n_base] - cell.printed[cell.mesh.star_vertices[0]]
-    place = offset + np.asarray(lattice.origin_mm)
-    return np.asarray(offset - lattice.sites.nearest(place) @ np.asarray(lattice.vectors))
-
-
 def test_tips_lie_further_out_by_what_the_sheet_shrinks_and_no_further_where_it_is_wider() -> None:
     """Along the print they move by more: that shrinks too."""
-    preview = sheet([])
-    plan, arms = preview.sheet.layout, preview.sheet.arms
-    narrow, wide = (_laid(preview, SimpleShape("flat"), stretch) for stretch in (0.8, 1.1))
+    preview = free_sheet()
+    plan, arms, space = preview.sheet.layout, preview.sheet.arms, preview.sheet.space
+    narrow, wide = (SimpleShape("flat").positions(space, np.zeros(2), stretch) for stretch in (0.8, 1.1))
     assert arms.moves(narrow) == pytest.approx(0.25 * plan.arm_length[:, None] * arms.direction)
     assert not arms.moves(wide).any()
 
 
-def _laid(preview: Preview, shape: SimpleShape, stretch: float) -> np.ndarray:
-    return shape.positions(preview.sheet.space, np.zeros(2), stretch)
-
-
 def of_stars(length: float):
-    design = Design.from_dict(gallery.load("tube").to_dict() | {"stars": {"length_mm": length, "thickness_mm": 0.4}})
+    design = edited("tube", stars={"length_mm": length, "thickness_mm": 0.4})
     return design, star_values(design, layout(design), plain_law())
 
 

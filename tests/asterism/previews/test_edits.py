@@ -1,8 +1,9 @@
-"""Edits that are broken off, dragged on, overtaken or undone; moved pins, snapshots, and forms that were met."""
+"""Edits that are broken off, dragged on, stopped, overtaken or undone; moved pins, snapshots, forms that were met."""
 
 from __future__ import annotations
 
 import copy
+import itertools
 import pickle
 from functools import partial
 from typing import Any
@@ -15,7 +16,7 @@ from asterism.equilibrium.errors import Error
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
-from asterism.previews.session import Preview
+from asterism.previews.session import Preview, SearchLimitError
 from tests.asterism.previews import designs
 
 edited = partial(designs.edited, mesh={"edge_mm": 4.0})
@@ -65,8 +66,13 @@ def test_an_edit_after_one_that_was_broken_off_while_it_settled(monkeypatch: pyt
     assert preview.equilibrium.is_minimum
 
 
-def test_an_edit_that_was_overtaken_says_so() -> None:
+def test_an_edit_that_was_overtaken_says_so_and_one_that_is_refused_overtakes_none() -> None:
     preview = Preview(edited("dome"))
+    pending = preview.edit(edited("dome", stars={"thickness_mm": 0.33}))
+    next(pending)
+    with pytest.raises(DesignError):
+        preview.update(edited("dome", border={"rings": 2}, pins=[{"edges": [0]}, {"edges": [1], "scale": 0.5}]))
+    assert next(pending).name == "equilibrium" and preview.equilibrium.is_minimum
     first = preview.edit(edited("dome", stars={"length_mm": 7.0}))
     next(first)
     preview.update(edited("dome", border={"rings": 2}))
@@ -75,17 +81,19 @@ def test_an_edit_that_was_overtaken_says_so() -> None:
     assert preview.equilibrium.is_minimum and len(preview.sheet.layout.centres) == 19
 
 
-def test_a_stage_is_the_callers_own() -> None:
+def test_stages_and_snapshots_are_the_callers_own_and_a_preview_is_not_copied() -> None:
+    """A copy would share the shell that edits change."""
     preview = Preview(edited("dome"))
+    snapshot = preview.snapshot()
+    with pytest.raises(ValueError, match="read-only"):
+        snapshot.x[0] = 0.0
+    before = snapshot.x.copy()
     for stage in preview.edit(edited("dome", stars={"thickness_mm": 0.32})):
+        assert (snapshot.x == before).all()
         height = np.ptp(preview.equilibrium.x[:, 2])
         stage.x[:] *= 1.5
         assert np.ptp(preview.equilibrium.x[:, 2]) == height
-
-
-def test_a_preview_is_not_copied() -> None:
-    """A copy would share the shell that edits change."""
-    preview = Preview(edited("star"))
+        assert stage.name != "linear" or (preview.snapshot().x == before).all()
     for copied in (copy.copy, copy.deepcopy, pickle.dumps):
         with pytest.raises(TypeError, match="cannot be copied or pickled"):
             copied(preview)
@@ -105,24 +113,13 @@ def test_free_sheets_say_that_an_edit_keeps_their_form(name: str, said: bool) ->
 @pytest.mark.slow
 def test_pins_on_arms_go_with_them() -> None:
     """A pin beside a tip is on it; where the arm becomes shorter it is beside again."""
-    pins = {"pins": [{"points_mm": [[0.0, -9.8], [-20.0, -15.0], [20.0, -15.0]]}], "border": {"rings": 2}}
-    data = gallery.load("tube").to_dict() | {"mesh": {"edge_mm": 4.0}} | pins
-    stars = data["stars"]
-    longer, shorter = (Design.from_dict(data | {"stars": stars | {"length_mm": size}}) for size in (10.0, 8.0))
+    pins = [{"points_mm": [[0.0, -9.8], [-20.0, -15.0], [20.0, -15.0]]}]
+    longer, shorter = (edited("tube", border={"rings": 2}, pins=pins, stars={"length_mm": mm}) for mm in (10.0, 8.0))
     preview = Preview(longer)
     shape = preview.update(shorter)
     assert shape.at([[0.0, -9.8]])[0] == pytest.approx([0.0, -9.8, 0.0], abs=1e-6)
     assert preview.equilibrium.energy == pytest.approx(Preview(shorter).equilibrium.energy, rel=1e-6)
     preview.flip()
-
-
-def test_an_edit_that_is_refused_overtakes_none() -> None:
-    preview = Preview(edited("dome"))
-    pending = preview.edit(edited("dome", stars={"thickness_mm": 0.33}))
-    next(pending)
-    with pytest.raises(DesignError):
-        preview.update(edited("dome", border={"rings": 2}, pins=[{"edges": [0]}, {"edges": [1], "scale": 0.5}]))
-    assert next(pending).name == "equilibrium" and preview.equilibrium.is_minimum
 
 
 def test_softness_is_that_of_the_sheet_after_an_edit_without_change_was_broken_off(
@@ -215,12 +212,8 @@ def test_the_linear_response_is_right_to_first_order() -> None:
         nodes = preview.shell.node_positions
         errors.append(np.abs(nodes(linear.x) - nodes(final.x)).max())
     assert errors[0] < 0.2 and errors[1] < 0.02 * errors[0]
-
-
-def test_pins_at_other_points_start_anew() -> None:
-    preview = Preview(needles(0.0, 0.0, 0.0, 0.0))
-    (stage,) = preview.edit(edited("dome", pins=[{"points_mm": POINTS[:3]}]))
-    assert stage.name == "equilibrium"
+    # pins at other points start anew
+    assert [stage.name for stage in preview.edit(edited("dome", pins=[{"points_mm": POINTS[:3]}]))] == ["equilibrium"]
 
 
 @pytest.mark.slow
@@ -238,15 +231,6 @@ def test_a_preview_goes_back_to_a_snapshot(name: str, change: dict[str, Any]) ->
     other = Preview(edited(name, **change))
     other.restore(snapshot)
     assert other.shape().height_mm == pytest.approx(shape.height_mm, rel=1e-8)
-
-
-def test_a_snapshot_does_not_change() -> None:
-    preview = Preview(edited("dome"))
-    snapshot = preview.snapshot()
-    with pytest.raises(ValueError, match="read-only"):
-        snapshot.x[0] = 0.0
-    linear = next(preview.edit(edited("dome", stars={"thickness_mm": 0.4})))
-    assert preview.snapshot().x == pytest.approx(snapshot.x) and linear.x is not snapshot.x
 
 
 @pytest.mark.slow
@@ -279,3 +263,78 @@ def test_other_forms_are_shown_and_left_again() -> None:
     assert preview.equilibrium.energy == pytest.approx(first, rel=1e-6)
     preview.restore(other.snapshot())
     assert not preview.forms
+
+
+dome = partial(designs.edited, "dome")
+
+
+class Stopped(Exception):
+    pass
+
+
+class Countdown:
+    """Lets so many calls pass, and stops all later ones; None passes all."""
+
+    def __init__(self) -> None:
+        self.calls = 0
+        self.left: int | None = None
+
+    def __call__(self) -> None:
+        self.calls += 1
+        if self.left is not None:
+            self.left -= 1
+            if self.left < 0:
+                raise Stopped
+
+
+THINNER = dome(stars={"thickness_mm": 0.27})
+CUT = dome(border={"rings": 2})
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("design", [THINNER, CUT, dome(pins=[])], ids=["stars", "outline", "free"])
+def test_every_edit_can_be_stopped_at_any_moment(design: Design) -> None:
+    check = Countdown()
+    preview = Preview(gallery.load("dome"), check=check)
+    shape, before = preview.shape(), preview.equilibrium
+    check.calls = 0
+    list(preview.edit(design))
+    total = check.calls
+    assert total > 3
+    list(preview.edit(gallery.load("dome")))
+    for left in np.unique(np.linspace(0, total - 1, 4).astype(int)):
+        check.left = int(left)
+        with pytest.raises(Stopped):
+            list(preview.edit(design))
+        check.left = None
+        assert preview.design == gallery.load("dome") and preview.equilibrium.is_minimum
+        assert preview.equilibrium.energy == pytest.approx(before.energy, rel=1e-9)
+    again = preview.shape()
+    assert again.positions == pytest.approx(shape.positions, abs=1e-5)
+    assert preview.update(design).height_mm == pytest.approx(Preview(design).shape().height_mm, rel=1e-5)
+
+
+def test_flip_can_be_stopped() -> None:
+    check = Countdown()
+    preview = Preview(gallery.load("tube"), check=check)
+    before, check.left = preview.state, 2
+    with pytest.raises(Stopped):
+        preview.flip()
+    assert preview.state is before
+
+
+def test_a_search_is_given_up_after_a_while(monkeypatch: pytest.MonkeyPatch) -> None:
+    preview = Preview(gallery.load("dome"), max_seconds=30.0)
+    seconds = itertools.count(0.0, 10.0)
+    monkeypatch.setattr("asterism.previews.session.time.perf_counter", lambda: next(seconds))
+    with pytest.raises(SearchLimitError, match="30 s"):
+        preview.update(CUT)
+    monkeypatch.undo()
+    assert len(preview.sheet.layout.centres) == 37 and preview.equilibrium.is_minimum
+    assert preview.update(THINNER).summary["is_minimum"]
+
+
+@pytest.mark.parametrize("limit", [0.0, float("nan")])
+def test_a_limit_is_above_zero(limit: float) -> None:
+    with pytest.raises(ValueError, match="max_seconds"):
+        Preview(gallery.load("star"), max_seconds=limit)

@@ -55,7 +55,6 @@ def test_one_sentence_says_what_a_design_is() -> None:
         assert words.endswith(".") and 10 <= len(words) <= 140 and "\n" not in words
 
 
-@pytest.mark.slow
 @pytest.mark.parametrize("name", gallery.template_names())
 def test_a_template_is_certified_and_printable(name: str) -> None:
     design = load_design(gallery.path(name))

@@ -59,17 +59,19 @@ def test_a_form_on_the_side_that_is_asked_for_is_shown_though_it_is_dearer() -> 
 
 def test_a_narrow_sheet_is_looked_at_for_other_buckles() -> None:
     """Both forms are stiff minima; a start as a round cap leads to the higher one."""
-    stars = {"length_mm": 6.97, "thickness_mm": 0.35}
-    pins = [{"where": "border", "scale": 0.68}]
-    preview = Preview(Design.from_dict({"stars": stars, "border": {"rings": 2}, "pins": pins}))
+
+    def narrow(length_mm: float) -> Design:
+        stars = {"length_mm": length_mm, "thickness_mm": 0.35}
+        pins = [{"where": "border", "scale": 0.68}]
+        return Design.from_dict({"stars": stars, "border": {"rings": 2}, "pins": pins})
+
+    preview = Preview(narrow(6.97))
     shape = preview.shape()
     (other,) = shape.summary["other_forms"]
     assert shape.summary["is_minimum"] and other["energy_n_mm"] > 1.02 * shape.summary["energy_n_mm"]
     assert is_narrow(mean_fields(preview.shell))
     assert not is_equilibrium_near_another(preview.shell, preview.equilibrium, 60.0)
-    *_, last = preview.edit(
-        Design.from_dict({"stars": stars | {"length_mm": 7.1}, "border": {"rings": 2}, "pins": pins})
-    )
+    *_, last = preview.edit(narrow(7.1))
     assert last.name == "equilibrium" and any("the edit kept" in line for line in preview.shape().summary["warnings"])
     assert not is_narrow(mean_fields(Preview(gallery.load("dome")).shell))
 
@@ -77,15 +79,8 @@ def test_a_narrow_sheet_is_looked_at_for_other_buckles() -> None:
 def test_a_narrow_sheet_with_soft_modes_is_looked_at_for_other_buckles_too() -> None:
     """An L on two held edges: neither side of its softest mode leads to the lowest form, a bent guess does."""
     corners = [[-60.0, -60.0], [60.0, -60.0], [60.0, -5.0], [-10.0, -5.0], [-10.0, 60.0], [-60.0, 60.0]]
-    preview = Preview(
-        Design.from_dict(
-            {
-                "stars": {"length_mm": 5.1, "thickness_mm": 0.3},
-                "border": {"polygon_mm": corners},
-                "pins": [{"edges": [0], "scale": 0.71}, {"edges": [3], "scale": 0.71}],
-            }
-        )
-    )
+    stars, pins = {"length_mm": 5.1, "thickness_mm": 0.3}, [{"edges": [k], "scale": 0.71} for k in (0, 3)]
+    preview = Preview(Design.from_dict({"stars": stars, "border": {"polygon_mm": corners}, "pins": pins}))
     shell, shown = preview.shell, preview.equilibrium
     assert is_narrow(mean_fields(shell)) and "pushed" in {trial.name for trial in shown.trials}
     assert shown.is_minimum and shown.guess in ("arc", "bent", "cap")

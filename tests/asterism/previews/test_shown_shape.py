@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
 import asterism
+from asterism.equilibrium.arrays import Floats
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.materials import Fabric
 from asterism.pattern.layout.build import layout
-from asterism.pattern.mesh.meshing import mesh_layout
 from asterism.previews.session import Preview
 from asterism.previews.shown_shape import (
     expected_error,
@@ -25,6 +26,7 @@ from asterism.results.words import PlacedWarning
 from asterism.shape.shape import Shape
 from tests.asterism.previews.designs import edited
 from tests.asterism.previews.laws import plain_law
+from tests.asterism.verification.printed import shape as placed
 
 FEW = {"stars": {"length_mm": 8.0, "thickness_mm": 0.3}, "border": {"rings": 1}}
 CORNERS = {"where": "corners", "scale": 0.8}
@@ -57,15 +59,13 @@ def test_the_kind_of_a_sheet_gives_its_error(sections: dict[str, Any], expected:
 def printed(design: Design, scale: float = 1.0, spike_mm: float = 0.0) -> Shape:
     """The print, scaled, with a spike at the outermost star."""
     plan = layout(design)
-    mesh = mesh_layout(plan, 4.0)
-    from_tip = np.linalg.norm(mesh.points - plan.centres[np.argmax(plan.centres[:, 0])], axis=1)
-    heights = spike_mm * np.maximum(1.0 - from_tip / 5.0, 0.0)
-    star = np.full(len(mesh.points), -1)
-    star[mesh.star_vertices] = plan.star_number
-    places = np.column_stack([scale * mesh.points, heights])
-    return Shape(
-        mesh.points, places, mesh.triangles, star, mesh.rods, mesh.star_vertices, held=bool(plan.pins), plan=plan
-    )
+    outermost = plan.centres[np.argmax(plan.centres[:, 0])]
+
+    def place(points: Floats) -> Floats:
+        from_tip = np.linalg.norm(points - outermost, axis=1)
+        return np.column_stack([scale * points, spike_mm * np.maximum(1.0 - from_tip / 5.0, 0.0)])
+
+    return replace(placed(design, place, 4.0), held=bool(plan.pins), plan=plan)
 
 
 def small(**sections: Any) -> Design:

@@ -32,17 +32,6 @@ def compared(of: Design, one, other) -> Comparison:
     return compare_shapes(one, other, plan, symmetries(of, plan))
 
 
-def test_a_shape_is_at_no_distance_from_itself():
-    one = shape(UNIFORM, lumpy)
-    found = compared(UNIFORM, one, one)
-    assert found.record.max_percent == pytest.approx(0.0, abs=1e-9)
-    assert found.record.max_stars_percent == pytest.approx(0.0, abs=1e-9)
-    assert found.record.normals_rms_deg == pytest.approx(0.0, abs=1e-6)
-    assert found.record.heights_mm[0] == pytest.approx(found.record.heights_mm[1])
-    assert found.record.relief_error_percent == pytest.approx(0.0, abs=1e-6)
-    assert not found.symmetry.mirrors
-
-
 def test_outlines_may_be_symmetric_to_a_few_decimals_only():
     corners = layout(UNIFORM).outline.round(5)
     drawn = design(border={"polygon_mm": corners.tolist()})
@@ -101,9 +90,6 @@ def test_distances_do_not_depend_on_where_the_other_shape_lies(quaternion, far):
     assert there.record.heights_mm[1] == pytest.approx(here.record.heights_mm[1], abs=1e-6)
 
 
-TILTED = Rotation.from_euler("x", 10, degrees=True).as_matrix()
-
-
 @pytest.mark.parametrize(
     ("pins", "free"),
     [([], 6), ([{"edges": [0]}], 1), ([{"where": "border"}], 0), ([{"corners": [0, 2, 4]}], 0)],
@@ -138,8 +124,8 @@ def test_weight_says_how_a_sheet_hangs():
     """On a needle it turns about the plumb line alone."""
     held = design(pins=[{"points_mm": [[0.0, 0.0]]}])
     one, plan = shape(held, lumpy), layout(held)
-    turn = Rotation.from_euler("z", 70, degrees=True).as_matrix()
-    turned, tilted = (replace(one, positions=one.positions @ motion.T) for motion in (turn, TILTED))
+    motions = Rotation.from_euler("z", 70, degrees=True), Rotation.from_euler("x", 10, degrees=True)
+    turned, tilted = (replace(one, positions=motion.apply(one.positions)) for motion in motions)
     for gravity, free, off in ((None, 3, False), ((0.0, 0.0, -1.0), 1, True)):
         found = [compare_shapes(one, other, plan, symmetries(held, plan), gravity) for other in (turned, tilted)]
         assert found[0].free_motions == free
@@ -183,7 +169,11 @@ def test_images_under_the_designs_symmetries_are_the_same_shape(number):
     found = compare_shapes(one, image, plan, same)
     # the inverse of the symmetry brings it back
     assert np.allclose(found.symmetry.turn, symmetry.turn.T, atol=1e-9)
+    assert found.symmetry.mirrors == symmetry.mirrors
     assert found.record.max_percent < 1e-6 and found.record.max_stars_percent < 1e-6
+    assert found.record.normals_rms_deg == pytest.approx(0.0, abs=1e-6)
+    assert found.record.heights_mm[0] == pytest.approx(found.record.heights_mm[1])
+    assert found.record.relief_error_percent == pytest.approx(0.0, abs=1e-6)
 
 
 def test_a_reflected_shape_is_another_one():

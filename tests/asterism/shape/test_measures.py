@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -88,10 +86,8 @@ def saddle(flat: Floats) -> Floats:
 def test_heights_count_from_the_highest_and_from_the_lowest_needle(
     points: list[list[float]], above: float | None, below: float | None
 ) -> None:
-    pins: list[dict[str, Any]] = [{"points_mm": points}] if points else []
-    plan = layout(
-        Design.from_dict({"stars": {"length_mm": 8.0}, "border": {"rectangle_mm": [100.0, 80.0]}, "pins": pins})
-    )
+    data = {"stars": {"length_mm": 8.0}, "border": {"rectangle_mm": [100.0, 80.0]}}
+    plan = layout(Design.from_dict(data | {"pins": [{"points_mm": points}] if points else []}))
     clearance = needle_clearance(plan, sheets.sheet(saddle, edge=4.0))
     if above is None or below is None:
         assert clearance is None

@@ -18,11 +18,7 @@ BLOCKS = dict(
 )
 
 
-PARTS = {
-    "compas": ("compas", "compas.datastructures", "compas.geometry"),
-    "bpy": ("bpy",),
-    "pyvista": ("pyvista",),
-}
+PARTS = {"compas": ("compas", "compas.datastructures", "compas.geometry"), "bpy": ("bpy",), "pyvista": ("pyvista",)}
 
 
 @pytest.fixture(scope="module")

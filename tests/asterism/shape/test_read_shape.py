@@ -20,17 +20,10 @@ from tests.asterism import sheets
 
 @pytest.fixture(scope="module")
 def shape() -> Shape:
-    return asterism.simulate(
-        asterism.Design.from_dict(
-            {
-                # arms reach the neighbours' centres: rods share vertices
-                "stars": {"length_fraction": 1.0, "thickness_mm": 0.5, "width_mm": 0.8},
-                "border": {"rings": 1},
-                "mesh": {"edge_mm": 5.0},
-            }
-        ),
-        starts=1,
-    )
+    # arms reach the neighbours' centres: rods share vertices
+    stars = {"length_fraction": 1.0, "thickness_mm": 0.5, "width_mm": 0.8}
+    design = asterism.Design.from_dict({"stars": stars, "border": {"rings": 1}, "mesh": {"edge_mm": 5.0}})
+    return asterism.simulate(design, starts=1)
 
 
 @pytest.fixture(scope="module")

@@ -134,10 +134,12 @@ class StudioPage:
     def item(self, name: str) -> Any:
         return self.page.get_by_test_id(name)
 
-    def open(self, name: str) -> None:
-        """Open an example, or a file of the folder, and wait for its shape."""
+    def open(self, name: str, tool: str = "") -> None:
+        """Open an example, or a file of the folder, wait for its shape, and take a tool."""
         self.open_without_shape(name)
         self.rest()
+        if tool:
+            self.item(f"tool-{tool}").click()
 
     def open_without_shape(self, name: str) -> None:
         """The same for a design that may have no shape."""
@@ -148,13 +150,20 @@ class StudioPage:
         self.item(name).click()
         self.wait(f"studio.opened > {opened}")
 
-    def open_again(self, name: str) -> None:
-        """Open a file of the folder without the work that tests before have left."""
+    def open_again(self, name: str, tool: str = "") -> None:
+        """Open a file of the folder without the work that tests before have left, and take a tool."""
         self.open(name)
         forget = self.page.get_by_role("button", name="Forget them")
         if forget.count():
             forget.click()
             self.wait("!studio.document.kept_work.length")
+        if tool:
+            self.item(f"tool-{tool}").click()
+
+    def save(self) -> None:
+        """Save the design, and wait until it is saved."""
+        self.item("save").click()
+        self.wait("studio.document.saved")
 
     def fill(self, name: str, value: float | str) -> None:
         """Type a value into a field, and press Enter."""
@@ -195,11 +204,18 @@ class StudioPage:
         )
         return x, y
 
+    def press(self, start: Sequence[float], *places: Sequence[float]) -> None:
+        """Press at a place in the window, and move over others."""
+        self.page.mouse.move(*start)
+        self.page.mouse.down()
+        for place in places:
+            self.page.mouse.move(*place, steps=4)
+
+    def draw(self, *places: Sequence[float]) -> None:
+        """Press at the first printed place, and move over the others."""
+        self.press(*map(self.point, places))
+
     def drag(self, *places: Sequence[float]) -> None:
-        """Press at the first place, move over the others, and let go."""
-        mouse = self.page.mouse
-        mouse.move(*self.point(places[0]))
-        mouse.down()
-        for place in places[1:]:
-            mouse.move(*self.point(place), steps=4)
-        mouse.up()
+        """The same, and let go."""
+        self.draw(*places)
+        self.page.mouse.up()

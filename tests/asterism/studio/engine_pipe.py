@@ -6,10 +6,12 @@ import queue
 import threading
 from typing import Any
 
+import numpy as np
+
 import asterism
 from asterism.studio.engine import Engine
 from asterism.studio.inbox import Inbox
-from asterism.studio.messages import Frame, ShapeSummary, StudioProblem
+from asterism.studio.messages import Edit, Frame, ShapeSummary, StudioProblem
 
 PATIENCE_S = 120.0
 
@@ -47,6 +49,16 @@ class EnginePipe:
         """The next frame of a message."""
         return self.until(lambda answer: isinstance(answer, Frame) and (answer.seq, answer.stage) == (seq, stage))
 
+    def show(self, seq: int, design: dict[str, Any], *stroke: Any, **options: Any) -> Frame:
+        """Send an edit; the frame of its equilibrium."""
+        self.send(Edit(seq, design, *stroke, **options))
+        return self.frame(seq)
+
+    def rest(self, seq: int, design: dict[str, Any], *stroke: Any, **options: Any) -> ShapeSummary:
+        """Send an edit; its summary."""
+        self.send(Edit(seq, design, *stroke, **options))
+        return self.summary(seq)
+
     def meshes(self) -> dict[int, dict[str, Any]]:
         """The arrays of the meshes so far, by number."""
         return {answer.mesh: answer.mesh_arrays for answer in self.answers if isinstance(answer, Frame)}
@@ -63,6 +75,10 @@ class EnginePipe:
         self._to.put(None)
         self._thread.join(PATIENCE_S)
         assert not self._thread.is_alive()
+
+
+def is_same_shape(one: Frame, other: Frame) -> bool:
+    return np.allclose(one.arrays["positions"], other.arrays["positions"], rtol=0.0, atol=1e-4)
 
 
 def table(name: str = "dome", **sections: Any) -> dict[str, Any]:

@@ -119,14 +119,6 @@ def test_supports_that_another_outline_does_not_reach_are_left_out_with_a_line(t
     assert with_drawing({**table, "pins": pins[3:]}, drawing, request, np.zeros((0, 2)))[1] == ""
 
 
-@pytest.mark.parametrize("key", ["rods.import", "border", "border.file"])
-def test_pages_cannot_read_files_elsewhere(document: Document, key: str) -> None:
-    file = "/etc/passwd.svg"
-    value: Any = {"rods.import": [{"file": file}], "border": {"file": file}, "border.file": file}[key]
-    with pytest.raises(DesignError, match="below the design's folder"):
-        document.change({key: value})
-
-
 def test_the_last_drawings_are_kept(tmp_path: Path) -> None:
     (tmp_path / "plan.svg").write_text(SVG, encoding="utf-8")
     drawing, kept = read_drawing(tmp_path / "plan.svg", "plan.svg"), Drawings()

@@ -42,10 +42,6 @@ def grid(tmp_path: Path) -> Document:
     return Document.open(tmp_path / "grid.toml")
 
 
-def picture(field: PaintedField) -> PictureProfile:
-    return PictureProfile.model_validate(field.profile)
-
-
 def test_a_dab_reaches_its_value_in_the_middle_and_nothing_beyond_its_radius() -> None:
     field = PaintedField.of(0.4, OUTLINE).brushed(BRUSH, [[(5.5, 0.5)]])
     away = np.linalg.norm(field.places - [5.5, 0.5], axis=1)
@@ -77,7 +73,7 @@ def test_a_field_begins_with_the_profile_that_is_there() -> None:
     )
     field = PaintedField.of(profile, OUTLINE)
     assert field.values.ravel() == pytest.approx(profile.at(field.places))
-    again = PaintedField.of(picture(field), OUTLINE)
+    again = PaintedField.of(PictureProfile.model_validate(field.profile), OUTLINE)
     assert np.abs(again.values - field.values).max() <= 0.5 * 0.5 / 255 + 1e-4
     assert PaintedField.of(0.4, 20.0 * OUTLINE).values.shape == (256, 256)  # at most
 

@@ -82,10 +82,7 @@ def test_random_edits_are_answered_and_undone(tmp_path: Path):
     random = np.random.default_rng(3)
     slowest = 0.0
     app = application(studio, TOKEN, frozenset({HOST}))
-    with (
-        TestClient(app, base_url=f"http://{HOST}") as client,
-        client.websocket_connect(LIVE, headers=ORIGIN) as socket,
-    ):
+    with TestClient(app, base_url=f"http://{HOST}") as client, client.websocket_connect(LIVE, headers=ORIGIN) as socket:
         page = Page(socket)
         first = page.until("document")
         page.until("shape")

@@ -1,8 +1,10 @@
-"""Attacks on the studio: strangers, names that lead out, messages that are too large or mean nothing."""
+"""Attacks on the studio: strangers, names that lead out, messages that mean nothing; the page's own files."""
 
 from __future__ import annotations
 
 import json
+import re
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +13,10 @@ from PIL import Image
 from starlette.testclient import TestClient
 from starlette.websockets import WebSocketDisconnect
 
+from asterism.pattern import gallery
 from asterism.studio.pages import MAX_TABS
 from asterism.studio.requests import MAX_REQUEST_BYTES
+from asterism.studio.server import PAGE
 from asterism.studio.studio import Studio
 from asterism.studio.uploads import MAX_UPLOAD_BYTES
 from tests.asterism.studio.conftest import HOST, LIVE, ORIGIN, TOKEN, Page, upload
@@ -96,7 +100,8 @@ def outside(folder: Path) -> Path:
 
 def test_names_lead_to_files_below_their_folder_only(client: TestClient, outside: Path):
     for room in ("file", "page", "gallery"):
-        for name in TRAVERSALS:
+        assert client.get(f"/{TOKEN}/{room}", follow_redirects=True).status_code == 404, room
+        for name in TRAVERSALS:  # folders are not listed either
             answer = client.get(f"/{TOKEN}/{room}/{name}", follow_redirects=True)
             assert answer.status_code in (400, 404), (room, name)
             assert "secret" not in answer.text and "root:" not in answer.text, (room, name)
@@ -114,34 +119,30 @@ def test_designs_are_opened_and_saved_below_the_folder_only(page: Page, outside:
     assert sorted(path for path in outside.parent.rglob("*") if not path.name.startswith(".asterism")) == before
 
 
-def test_pictures_of_a_design_are_read_below_its_folder_only(page: Page, outside: Path):
+def test_pictures_and_drawings_of_a_design_are_read_below_its_folder_only(page: Page, outside: Path):
     Image.new("L", (4, 4), 90).save(outside.with_suffix(".png"))
     page.until("document")
+    drawing = {"file": "/etc/passwd.svg"}
+    changes: list[dict[str, Any]] = [{"rods.import": [drawing]}, {"border": drawing}, {"border.file": drawing["file"]}]
     for image in ("../secret.png", "/etc/passwd", "link/secret.png", ".hidden.png"):
         profile = {"image": image, "low": 5.0, "high": 9.0}
-        page.send(type="edit", changes={"stars.override": [{"site": [0, 0]}], "stars.length_mm": profile})
-        assert "below the design's folder" in page.until("problem")["text"]
+        changes.append({"stars.override": [{"site": [0, 0]}], "stars.length_mm": profile})
+    for each in changes:
+        page.send(type="edit", changes=each)
+        assert "below the design's folder" in page.until("problem")["text"], each
 
 
 def test_answers_carry_the_content_policy(client: TestClient):
     for path in ("", "page/", "gallery/", "file/dome.toml", "nothing", "gallery/dome.png"):
         headers = client.get(f"/{TOKEN}/{path}").headers
         policy = headers["content-security-policy"]
-        assert "default-src 'self'" in policy or "sandbox" in policy
+        if path.startswith("file/"):  # a report cannot run scripts
+            assert "sandbox" in policy and "script" not in policy
+        else:
+            assert "default-src 'self'" in policy
         assert headers["x-content-type-options"] == "nosniff"
         assert headers["referrer-policy"] == "no-referrer"
         assert "access-control-allow-origin" not in headers
-
-
-def test_folders_are_not_listed(client: TestClient):
-    for path in ("page/", "gallery/", "file/", "page", "gallery", "file"):
-        assert client.get(f"/{TOKEN}/{path}", follow_redirects=True).status_code == 404, path
-
-
-def test_a_report_cannot_run_scripts(client: TestClient, folder: Path):
-    (folder / "report.html").write_text("<script>alert(1)</script>", encoding="utf-8")
-    policy = client.get(f"/{TOKEN}/file/report.html").headers["content-security-policy"]
-    assert "sandbox" in policy and "script" not in policy
 
 
 def test_uploads_that_are_too_large_are_refused_before_they_are_read(client: TestClient):
@@ -257,3 +258,35 @@ def test_more_pages_than_allowed_are_refused_politely(client: TestClient, studio
             socket.__exit__(None, None, None)
     with client.websocket_connect(LIVE, headers=ORIGIN) as again:
         Page(again).until("document")
+
+
+ROOT = Path(__file__).parents[3]
+STUDIO = ROOT / "asterism" / "studio"
+FILES = sorted(file for room in ("page", "gallery") for file in (STUDIO / room).rglob("*") if file.is_file())
+MAX_GALLERY_BYTES = 1_000_000
+
+
+def test_all_files_are_package_data():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    patterns = project["tool"]["setuptools"]["package-data"]["asterism.studio"]
+    covered = {file for pattern in patterns for file in STUDIO.glob(pattern)}
+    assert [file.name for file in FILES if file not in covered] == []
+    assert (PAGE / "index.html").is_file()
+
+
+def test_every_design_of_the_gallery_has_a_small_picture():
+    pictures = {file.stem: file.stat().st_size for file in (STUDIO / "gallery").glob("*.png")}
+    assert set(pictures) == {*gallery.names(), *gallery.pattern_names()}
+    assert sum(pictures.values()) < MAX_GALLERY_BYTES
+
+
+def test_the_page_names_no_other_machine():
+    for file in FILES:
+        if file.suffix != ".png":
+            text = file.read_text(encoding="utf-8").replace("http://www.w3.org/", "")
+            assert re.findall(r"\b(?:https?|wss?)://[\w.]+|@import|//[\w-]+\.\w+/", text) == [], file.name
+
+
+def test_the_page_fits_its_content_policy():
+    html = (PAGE / "index.html").read_text(encoding="utf-8")
+    assert not re.search(r"<script(?![^>]*\bsrc=)|<style|\sstyle=|\son\w+=", html)

@@ -75,27 +75,20 @@ def test_what_the_design_does_not_have_is_refused(vary: dict[str, Any], problem:
         sweep_parameters(gallery.load("dome"), vary)
 
 
+def test_values_that_others_make_possible_are_not_refused_at_once() -> None:
+    """Weight needs a modulus: each alone is impossible, and one of the designs is not. Numbers of arrays are plain."""
+    vary = {"gravity.on": [False, True], "fabric.modulus_mpa": np.array([0.5])}
+    weight, modulus = sweep_parameters(gallery.load("dome"), vary)
+    assert type(modulus.values[0]) is float
+    with pytest.raises(SweepError, match="is varied twice"):
+        check_parameters(gallery.load("dome"), [weight, modulus, weight])
+
+
 def test_previews_of_drawings_that_do_not_repeat_are_refused_at_once() -> None:
     with pytest.raises(SweepError, match="lines that do not repeat have no law; a sweep computes exact shapes with"):
         sweep_design(gallery.load("leaf"), {"rods.thickness_mm": [0.3, 0.4]})
     check_model(gallery.load("leaf"), exact=True)
     check_model(gallery.load("skew-grid"), exact=False)
-
-
-def test_a_path_is_varied_once() -> None:
-    twice = [SweepParameter("stars.thickness_mm", (0.3,)), SweepParameter("stars.thickness_mm", (0.4,))]
-    with pytest.raises(SweepError, match="is varied twice"):
-        check_parameters(gallery.load("dome"), twice)
-
-
-def test_values_that_others_make_possible_are_not_refused_at_once() -> None:
-    """Weight needs a modulus: each alone is impossible, and one of the designs is not."""
-    sweep_parameters(gallery.load("dome"), {"gravity.on": [False, True], "fabric.modulus_mpa": [0.5]})
-
-
-def test_numbers_of_arrays_are_plain() -> None:
-    (parameter,) = sweep_parameters(gallery.load("dome"), {"stars.thickness_mm": np.array([0.3, 0.4])})
-    assert [type(value) for value in parameter.values] == [float, float]
 
 
 def test_a_hypercube_has_one_value_in_each_part_of_each_range() -> None:
@@ -131,16 +124,13 @@ def test_too_many_and_too_few_designs_are_refused() -> None:
         latin_hypercube([SweepParameter("a", limits=(0.2, 0.6))], 1, 0)
 
 
-VARIED = {"profile": "radial", "from": 0.3, "to": 0.5, "over_mm": 30.0}
-
-
 @pytest.mark.slow
 def test_previews_of_motifs_solve_their_cells_unless_a_law_is_given() -> None:
     net = gallery.load("skew-grid")
     assert sweep_cost(net, [], 10, False, 2).seconds == START_S + 5 * (MOTIF_PREVIEW_S + MOTIF_CELL_S)
     assert sweep_cost(net, [], 10, False, 2, law_is_given=True).seconds == START_S + 5 * MOTIF_PREVIEW_S
     table = net.to_dict()
-    table["rods"]["thickness_mm"] = VARIED
+    table["rods"]["thickness_mm"] = {"profile": "radial", "from": 0.3, "to": 0.5, "over_mm": 30.0}
     graded = sweep_cost(Design.from_dict(table), [], 1, False, 1).seconds
     assert graded >= START_S + MOTIF_PREVIEW_S + 4 * MOTIF_CELL_S
     table["fabric"]["bending"] = "none"  # a design without a law counts as one cell

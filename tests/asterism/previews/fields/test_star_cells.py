@@ -13,6 +13,7 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.previews.fields.star_cells import HALF_WAY, MIN_WIDTH, Shares, StarCells
 from asterism.previews.model import PREVIEW_MODEL
+from tests.asterism.previews.designs import edited
 
 TUBE = gallery.load("tube")
 PLAN = layout(TUBE)
@@ -27,9 +28,8 @@ def test_a_star_rules_its_own_centre() -> None:
 
 
 def test_a_wide_rim_is_bare() -> None:
-    data = TUBE.to_dict()
-    data["border"] = {"rectangle_mm": [140.0, 140.0], "star_margin_mm": 40.0}
-    design = Design.from_dict(data)
+    border = {"rectangle_mm": [140.0, 140.0], "star_margin_mm": 40.0}
+    design = Design.from_dict(TUBE.to_dict() | {"border": border})
     plan = layout(design)
     cells = StarCells(plan, design.lattice)
     x = np.linspace(0.0, 70.0, 200)
@@ -53,13 +53,10 @@ def test_inside_the_shares_add_up_and_have_no_jumps() -> None:
 
 
 def test_a_removed_star_is_bare_fabric() -> None:
-    data = TUBE.to_dict()
-    data["stars"]["override"] = [{"star": 0, "remove": True}]
-    design = Design.from_dict(data)
+    design = edited("tube", stars={"override": [{"star": 0, "remove": True}]})
     plan = layout(design)
     assert len(plan.centres) == len(PLAN.centres) - 1
-    share = Shares(StarCells(plan, design.lattice), np.zeros((1, 2))).wide.sum()
-    assert share < 0.3
+    assert Shares(StarCells(plan, design.lattice), np.zeros((1, 2))).wide.sum() < 0.3
 
 
 def test_long_arms_reach_out_of_their_cells_and_short_ones_do_not() -> None:

@@ -1,15 +1,21 @@
-"""The sheet of a motif: fields of the law by place, bare fabric, weight, and the rims of the sheet and of its holes."""
+"""Sheets of a motif: fields of the law by place, bare fabric, weight, rims; their previews, kept for edits."""
 
 from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 import shapely
 
 from asterism.discrete.energies.membrane import Membrane
+from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
+from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.materials import Fabric
 from asterism.pattern.layout.build import layout
+from asterism.previews import session as preview_session
 from asterism.previews.motif_sheet import (
     MotifSheet,
     bare_fabric,
@@ -19,8 +25,9 @@ from asterism.previews.motif_sheet import (
     rims_of,
     small_holes,
 )
-from asterism.previews.session import Preview
-from tests.asterism.previews.motifs.nets import GRADED, net, net_law
+from asterism.previews.session import Preview, preview
+from tests.asterism.previews.laws import plain_law
+from tests.asterism.previews.motifs.nets import CROSS, GRADED, net, net_law
 
 
 def test_the_fields_are_those_of_the_law_at_each_place() -> None:
@@ -34,13 +41,6 @@ def test_the_fields_are_those_of_the_law_at_each_place() -> None:
     assert np.asarray(fields.metric).reshape(-1, 3) == pytest.approx(at.metric)
     assert np.asarray(fields.curvature).reshape(-1, 3) == pytest.approx(at.curvature)
     assert np.asarray(fields.density.stiffness).reshape(-1, 6, 6) == pytest.approx(at.stiffness)  # type: ignore[union-attr]
-
-
-def test_a_net_reaches_half_a_mesh_and_its_rim_belongs_to_it() -> None:
-    design = net()
-    assert reach_mm(design) == 5.0
-    sheet = MotifSheet.of(design, layout(design), net_law(design))
-    assert not sheet.bare.any()
 
 
 def test_a_wide_rim_is_bare_fabric() -> None:
@@ -83,10 +83,11 @@ def test_fabric_bends_by_its_grain() -> None:
         assert curvature @ fabric_bending(fabric) @ curvature == pytest.approx(1.3**2 * stiffness)
 
 
-def test_the_tension_at_the_rims_is_that_of_rods_midway() -> None:
-    """A net that is cut midway between its rods has the Gaussian modulus `-N d^2/24`."""
+def test_a_net_that_is_cut_midway_between_its_rods_has_a_gaussian_modulus_and_no_bare_rim() -> None:
+    """The modulus is `-N d^2/24`: the tension at the rims is that of rods half a mesh away."""
     design = net()
     sheet = MotifSheet.of(design, layout(design), net_law(design))
+    assert reach_mm(design) == 5.0 and not sheet.bare.any()
     assert sheet.rims.moment_mm2 == pytest.approx(4 * [100.0 / 24.0])
     tension = np.array([[2.0, 2.0, 0.0]])
     assert sheet.rims.gaussian(tension, np.array([[3.0, -4.0]])) == pytest.approx([-2.0 * 100.0 / 24.0])
@@ -182,3 +183,91 @@ def test_many_short_sides_have_the_moment_of_a_long_one_in_the_mean() -> None:
     assert len(long) == 4 and len(short) == 104
     assert short.mean() == pytest.approx(long.mean(), rel=0.1)
     assert np.abs(short - np.roll(short, 26)).max() < 1e-6
+
+
+PINS = [{"where": "corners"}]
+
+
+def test_the_plastic_is_outside_and_the_shape_is_certified() -> None:
+    design = net()
+    shape = Preview(design, net_law(design), triangles=16).shape()
+    assert shape.summary.is_minimum and not shape.summary["warnings"]
+    assert shape.point_fields["mean_curvature_per_mm"].min() > 0.0
+    assert shape.summary["stars"] == 0 and shape.summary["rods_total"] == len(shape.rods)
+    assert shape.summary["contraction"] < 1.0
+
+
+@pytest.mark.slow
+def test_a_sheet_that_its_rims_collapse_is_refused_early_and_a_thicker_one_is_not() -> None:
+    design = Design.from_dict(gallery.load("diamond-auxetic").to_dict() | {"mesh": {"edge_mm": 2.0}})
+    session = Preview(design)
+    assert [trial.name for trial in session.equilibrium.trials] == ["arc"]  # not in load steps, which take as long
+    (first, *_) = session.shape().summary["warnings"]
+    assert first.startswith("not an equilibrium: at wide rims the tension") and first.endswith("asterism simulate")
+    thicker = design.to_dict()
+    thicker["rods"]["thickness_mm"] = 0.4
+    assert Preview(Design.from_dict(thicker)).shape().summary.is_minimum
+
+
+@pytest.mark.slow
+def test_rods_lie_along_the_triangles_with_their_sizes() -> None:
+    design = net(GRADED)
+    shape = Preview(design, net_law(design)).shape()
+    edges = np.sort(shape.rod_edges, axis=1)
+    sides = np.sort(shape.triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
+    assert set(map(tuple, edges)) <= set(map(tuple, sides))
+    middle = shape.printed[shape.rod_edges].mean(axis=1)[:, 0]
+    assert shape.rod_fields["thickness_mm"] == pytest.approx(np.clip(0.45 + 0.0025 * middle, 0.4, 0.5), abs=1e-3)
+
+
+@pytest.mark.slow
+def test_sizes_are_edited_without_new_cells(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ASTERISM_CELLS", str(tmp_path))
+    said: list[str] = []
+    design = net()
+    law = net_law(design)
+    wide = net_law(net(0.41), law, said.append)
+    assert len(said) == len(wide.plan.tasks()) - 1
+    session = Preview(design, wide, triangles=16)
+    stages = [stage.name for stage in session.edit(net(0.44))]
+    assert stages == ["linear", "equilibrium"]
+    again = Preview(net(0.44), wide, triangles=16)
+    assert session.equilibrium.energy == pytest.approx(again.equilibrium.energy, rel=1e-8)
+    assert net_law(net(0.44), wide, said.append) is wide and len(said) == len(wide.plan.tasks()) - 1
+
+
+@pytest.mark.slow
+def test_one_session_takes_another_motif_and_stars_after_a_motif(monkeypatch: pytest.MonkeyPatch) -> None:
+    def serving(design: Design, plan: object, known: Any, say: Any) -> Any:
+        return plain_law() if design.rods is None else net_law(design, known, say)
+
+    monkeypatch.setattr(preview_session, "serving_law", serving)
+    session = Preview(net())
+    law = session.law
+    session.update(net(pins=PINS))
+    assert session.law is law
+    assert session.update(net(rods={"motif": [CROSS[0]], "thickness_mm": 0.4})).summary.is_minimum
+    assert session.law is not law
+    session.update(Design.from_dict({"border": {"rings": 1}, "stars": {"length_mm": 9.0, "thickness_mm": 0.3}}))
+    assert len(session.sheet.values.sizes) == 7
+    session.update(net())
+    assert session.sheet.layout.drawn is not None
+
+
+@pytest.mark.parametrize(
+    ("sections", "named"),
+    [
+        ({"rods": {"draw": [{"line_mm": [(-15, 0), (15, 0)]}]}}, "do not repeat have no law; .*asterism simulate"),
+        ({"rods": {"motif": CROSS, "draw": [{"line_mm": [(-15, 1), (15, 1)]}]}}, "rods.draw: must be left out"),
+        ({"fabric": {"bending": "none"}}, "fabric.bending"),
+    ],
+)
+def test_patterns_without_a_law_are_refused_in_one_line(sections: dict[str, Any], named: str) -> None:
+    with pytest.raises(DesignError, match=named) as raised:
+        preview(net(**sections))
+    assert "\n" not in str(raised.value)
+
+
+def test_a_law_of_stars_is_no_law_of_a_motif() -> None:
+    with pytest.raises(TypeError, match="load_law reads the law of a motif"):
+        Preview(net(), plain_law())

@@ -11,8 +11,7 @@ REFUSED = ["", "seven", "7 kg", "7..5", "2*", "(7", "1,000.5", "7 8", "1/0"]
 
 
 def test_a_field_and_the_table_take_numbers_as_people_type_them_and_refuse_others(flat: StudioPage) -> None:
-    flat.open_again("file-even.toml")
-    flat.item("tool-gradient").click()
+    flat.open_again("file-even.toml", "gradient")
     for typed, value in NUMBERS.items():
         flat.fill("gradient-number", typed)
         flat.wait(f"Math.abs(studio.document.design.stars.length_mm - {value}) < 1e-9")

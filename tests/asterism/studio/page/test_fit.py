@@ -53,8 +53,7 @@ def test_a_stroke_is_drawn_undone_erased_and_saved(flat: StudioPage, folder: Pat
     flat.changed(lambda: flat.item("redo").click())
     assert flat.get("studio.weights") == weights
 
-    flat.item("save").click()
-    flat.wait("studio.document.saved")
+    flat.save()
     flat.open("file-even.toml")
     flat.open("file-weighed.toml")
     assert flat.get("studio.weights") == weights

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 import pytest
 
@@ -11,10 +13,16 @@ SPACING_MM = np.sqrt(300.0)  # of the stars of the dome
 FOCUSED = "document.activeElement.dataset.testid"
 
 
+def at_the_plan(page: StudioPage, name: str) -> Callable[[str], None]:
+    """Open a design with the focus on its plan; presses a key."""
+    page.open_again(name)
+    page.page.locator("#plan-canvas").focus()
+    press: Callable[[str], None] = page.page.keyboard.press
+    return press
+
+
 def test_a_needle_is_set_at_a_star_and_its_fields_are_left_by_tab(flat: StudioPage) -> None:
-    flat.open_again("file-canopy.toml")
-    press = flat.page.keyboard.press
-    flat.page.locator("#plan-canvas").focus()
+    press = at_the_plan(flat, "file-canopy.toml")
     press("n")
     press("ArrowRight")  # to the star in the middle
     flat.changed(lambda: press("Enter"))
@@ -28,9 +36,7 @@ def test_a_needle_is_set_at_a_star_and_its_fields_are_left_by_tab(flat: StudioPa
 
 
 def test_corners_are_typed_added_and_removed(flat: StudioPage) -> None:
-    flat.open_again("file-plain.toml")
-    press = flat.page.keyboard.press
-    flat.page.locator("#plan-canvas").focus()
+    press = at_the_plan(flat, "file-plain.toml")
     press("o")
     corners = flat.get("studio.document.plan.outline_mm")
     flat.item("corner-0-x").focus()
@@ -49,9 +55,7 @@ def test_corners_are_typed_added_and_removed(flat: StudioPage) -> None:
 
 
 def test_the_table_of_stars_is_filled_from_field_to_field(flat: StudioPage) -> None:
-    flat.open_again("file-even.toml")
-    press = flat.page.keyboard.press
-    flat.page.locator("#plan-canvas").focus()
+    press = at_the_plan(flat, "file-even.toml")
     press("t")
     flat.item("star-0-length").focus()
     flat.item("star-0-length").fill("6")
@@ -73,9 +77,7 @@ def test_the_table_of_stars_is_filled_from_field_to_field(flat: StudioPage) -> N
 
 
 def test_the_brush_the_gradient_and_the_ruler_work_at_the_star_of_the_keyboard(flat: StudioPage) -> None:
-    flat.open_again("file-plain.toml")
-    press = flat.page.keyboard.press
-    flat.page.locator("#plan-canvas").focus()
+    press = at_the_plan(flat, "file-plain.toml")
     press("b")
     press("ArrowRight")  # to the star in the middle
     before = flat.get("studio.sizes")
@@ -96,10 +98,7 @@ def test_the_brush_the_gradient_and_the_ruler_work_at_the_star_of_the_keyboard(f
 
 
 def test_a_star_is_chosen_and_made_smaller(flat: StudioPage) -> None:
-    flat.open_again("file-plain.toml")
-    press = flat.page.keyboard.press
-    before = flat.get("studio.sizes")
-    flat.page.locator("#plan-canvas").focus()
+    press, before = at_the_plan(flat, "file-plain.toml"), flat.get("studio.sizes")
     press("v")
     press("ArrowRight")  # to the star in the middle
     press("ArrowUp")

@@ -11,8 +11,7 @@ from tests.asterism.studio.browser import StudioPage
 
 
 def canopy(page: StudioPage) -> StudioPage:
-    page.open_again("file-canopy.toml")
-    page.item("tool-needles").click()
+    page.open_again("file-canopy.toml", "needles")
     return page
 
 
@@ -27,8 +26,7 @@ def table(page: StudioPage) -> dict[str, list[list[float]]]:
 
 
 def test_four_clicks_on_a_free_sheet_carry_it(flat: StudioPage) -> None:
-    flat.open_again("file-even.toml")
-    flat.item("tool-needles").click()
+    flat.open_again("file-even.toml", "needles")
     corners = flat.get("studio.document.plan.outline_mm")
     for k in (0, 2, 3, 5):
         flat.changed(lambda k=k: flat.page.mouse.click(*flat.point(corners[k])))  # type: ignore[misc]
@@ -74,8 +72,7 @@ def test_a_needle_is_duplicated_moved_and_removed_and_the_sheet_freed(page: Stud
 
 
 def test_a_group_is_split_and_its_needles_are_lifted_alone_and_together(flat: StudioPage) -> None:
-    flat.open_again("file-even.toml")
-    flat.item("tool-needles").click()
+    flat.open_again("file-even.toml", "needles")
     flat.changed(lambda: flat.item("hold-corners").click())
     flat.page.evaluate("document.getElementById('plan-canvas').focus()")
     flat.changed(lambda: flat.page.keyboard.press("PageUp"))  # the whole group, which is chosen
@@ -113,10 +110,8 @@ def test_needles_follow_another_stretch_by_one_button(page: StudioPage) -> None:
 def test_a_sheet_that_is_too_large_for_the_printer_is_told_while_it_is_drawn(page: StudioPage) -> None:
     assert not page.item("too-large").count()
     page.item("tool-outline").click()
-    corner = page.get("studio.document.plan.outline_mm")[0]
-    page.page.mouse.move(*page.point(corner))
-    page.page.mouse.down()
-    page.page.mouse.move(*page.point((corner[0] + 4.0, corner[1] + 260.0)), steps=4)
+    x, y = page.get("studio.document.plan.outline_mm")[0]
+    page.draw((x, y), (x + 4.0, y + 260.0))
     page.wait("document.querySelector('[data-testid=too-large]')")  # the button is still down
     page.page.keyboard.press("Escape")
     page.page.mouse.up()

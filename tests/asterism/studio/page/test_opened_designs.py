@@ -55,8 +55,7 @@ def test_a_drawing_on_the_first_page_is_a_new_design_if_it_can_be_read_and_the_o
 ) -> None:
     page, drawing = flat, tmp_path / "plan.svg"
     drawing.write_text("no drawing", encoding="utf-8")
-    page.open("file-first.toml")
-    page.item("tool-brush").click()
+    page.open("file-first.toml", "brush")
     page.changed(lambda: page.drag((0, 0), (5, 5)))
     text, edited = designs["first"].read_text(encoding="utf-8"), page.get("studio.document.design")
     page.item("open").click()
@@ -84,8 +83,7 @@ def test_target_symmetry_kept_designs_and_a_drawing_go_when_any_page_opens_anoth
 ) -> None:
     (tmp_path / "plan.svg").write_text(SVG, encoding="utf-8")
     page = new_flat()
-    page.open("file-first.toml")
-    page.item("tool-brush").click()
+    page.open("file-first.toml", "brush")
     page.item("mirrorX").check()
     page.item("tool-ruler").click()
     page.drag((0, 0), (5, 5))

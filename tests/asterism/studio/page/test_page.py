@@ -37,9 +37,7 @@ def test_painting_changes_the_shape_as_the_saved_file_and_undo_brings_the_sizes_
     assert flat.get("studio.sizes") == sizes
 
 
-def test_a_verification_is_cancelled_or_says_the_distance_and_whether_the_design_has_changed(
-    shared: StudioPage,
-) -> None:
+def test_a_verification_is_cancelled_or_says_the_distance_and_if_the_design_has_changed(shared: StudioPage) -> None:
     shared.open("gallery-star")
     shared.wait("studio.badge.kind === 'exact'")
     height = shared.get("studio.height")
@@ -50,8 +48,7 @@ def test_a_verification_is_cancelled_or_says_the_distance_and_whether_the_design
     shared.item("verify-panel").click()
     shared.wait("studio.isBeside && document.querySelector('[data-testid=verified]')")
     is_old = "document.querySelector('[data-testid=verification]').textContent.includes('has changed since')"
-    shared.item("save").click()
-    shared.wait("studio.document.saved")
+    shared.save()
     assert not shared.get(is_old)
     shared.drag((0, 0), (4, 4))
     shared.wait(is_old)

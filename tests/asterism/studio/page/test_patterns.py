@@ -37,18 +37,15 @@ def test_a_drawing_rises_by_the_exact_model_and_stays_grey_until_the_next(shared
 def test_the_brush_paints_rods_while_it_is_dragged(flat: StudioPage, folder: Path) -> None:
     (folder / "cross.toml").write_text(CROSS, encoding="utf-8")
     flat.open("file-plain.toml")  # the law of its stars holds no rods to its widths
-    flat.open("file-cross.toml")
-    flat.item("tool-brush").click()
+    flat.open("file-cross.toml", "brush")
     assert not flat.item("quantity-length").is_visible() and not flat.item("mode-remove").is_visible()
     flat.item("quantity-width").click()
     for name, value in (("target", 3), ("radius", 6), ("strength", 100)):
         flat.fill(name, value)
     widest = "Math.max(...studio.rods.flatMap((rod) => rod.width_mm))"
-    mouse = flat.page.mouse
-    mouse.move(*flat.point((-10.0, 0.0)))
-    mouse.down()
+    flat.draw((-10.0, 0.0))
     flat.wait(f"{widest} > 2.9")  # drawn before the server answers
-    mouse.up()
+    flat.page.mouse.up()
     flat.wait("studio.document.design.rods.width_mm?.image && !studio.isWaiting")
     drawn = flat.get("studio.document.plan.rods")
     widths = {tuple(at): width for rod in drawn for at, width in zip(rod["points_mm"], rod["width_mm"], strict=True)}
@@ -70,8 +67,7 @@ def test_the_brush_paints_rods_while_it_is_dragged(flat: StudioPage, folder: Pat
 
 def test_one_line_gets_sizes_of_its_own_and_loses_them(flat: StudioPage, folder: Path) -> None:
     (folder / "two-lines.toml").write_text(CROSS, encoding="utf-8")
-    flat.open("file-two-lines.toml")
-    flat.item("tool-gradient").click()
+    flat.open("file-two-lines.toml", "gradient")
     assert flat.item("sizes-of").input_value() == "rods"
     assert "click a rod" in flat.page.locator("#plan-note").inner_text()
     flat.fill("gradient-number", 50)

@@ -56,9 +56,7 @@ def test_an_engine_that_ends_is_replaced_and_the_end_of_the_studio_is_told(brows
     made.close()
 
 
-def test_a_file_that_changes_on_disk_is_followed_and_earlier_states_are_pictures(
-    flat: StudioPage, folder: Path
-) -> None:
+def test_a_file_that_changes_on_disk_is_followed_and_former_states_are_pictures(flat: StudioPage, folder: Path) -> None:
     file = folder / "followed.toml"
     file.write_text(SEVEN, "utf-8")
     flat.open("file-followed.toml")
@@ -100,8 +98,7 @@ def test_all_unsaved_work_is_shown_and_brought_back_or_forgotten(flat: StudioPag
     flat.item("kept-.left.autosave-2.toml").get_by_text("Bring it back").click()
     flat.wait("studio.document.design.name === 'two' && !studio.document.kept_work.length")
     flat.page.keyboard.press("Escape")
-    flat.item("save").click()
-    flat.wait("studio.document.saved")
+    flat.save()
     assert 'name = "two"' in (folder / "left.toml").read_text("utf-8") and not list(folder.glob(".left.autosave*"))
 
 
@@ -113,20 +110,10 @@ def test_a_proxy_that_blocks_websockets_is_named(browser: Any, address: str) -> 
     page.close()
 
 
-def test_another_stretch_is_learned(flat: StudioPage) -> None:
-    flat.open_again("file-even.toml")
-    flat.item("tab-sheet").click()
-    flat.fill("stretch", 1.5)
-    flat.rest()
-    flat.page.get_by_text("It learns other stretches when they are first used").wait_for()
-    assert flat.page.evaluate("studio.state.problem") is None
-
-
 def test_saving_asks_before_it_replaces_a_file_with_a_mistake(flat: StudioPage, folder: Path) -> None:
     file = folder / "roof.toml"
     file.write_text((folder / "canopy.toml").read_text(encoding="utf-8"), encoding="utf-8")
-    flat.open("file-roof.toml")
-    flat.item("tool-brush").click()
+    flat.open("file-roof.toml", "brush")
     flat.changed(lambda: flat.drag((0, 0), (5, 5)))
     file.write_text(BROKEN, encoding="utf-8")
     flat.item("save").click()
@@ -137,9 +124,7 @@ def test_saving_asks_before_it_replaces_a_file_with_a_mistake(flat: StudioPage, 
     assert "override" in file.read_text(encoding="utf-8")
 
 
-def test_the_first_page_lists_a_design_that_is_put_into_the_folder_while_it_is_shown(
-    flat: StudioPage, folder: Path
-) -> None:
+def test_the_first_page_lists_a_design_put_into_the_folder_while_it_is_shown(flat: StudioPage, folder: Path) -> None:
     flat.open_again("file-even.toml")
     flat.item("open").click()
     (folder / "late.toml").write_text((folder / "canopy.toml").read_text(encoding="utf-8"), encoding="utf-8")

@@ -58,9 +58,8 @@ def test_another_form_is_listed_and_shown(shared: StudioPage, folder: Path) -> N
     assert "Another form, energy +" in shared.item("beside-name").inner_text()
     turn, drawn = shared.get("[studio.camera.turn, studio.drawn]")
     box = shared.item("beside").bounding_box()
-    shared.page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
-    shared.page.mouse.down()
-    shared.page.mouse.move(box["x"] + box["width"] / 2 + 60, box["y"] + box["height"] / 2, steps=4)
+    x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+    shared.press((x, y), (x + 60, y))
     shared.page.mouse.up()
     shared.wait(f"studio.camera.turn !== {turn} && studio.drawn > {drawn}")
     shared.item("beside-close").click()

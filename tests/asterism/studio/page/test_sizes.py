@@ -49,8 +49,7 @@ def test_a_gradient_is_dragged_from_the_first_value_to_the_second(
 
 
 def test_a_gradient_over_the_whole_sheet_comes_with_one_click_and_is_taken_back(flat: StudioPage) -> None:
-    flat.open("new")
-    flat.item("tool-gradient").click()
+    flat.open("new", "gradient")
     assert is_kind(flat, "number")
     before = flat.get("studio.sizes")
     note = flat.page.locator("#plan-note")

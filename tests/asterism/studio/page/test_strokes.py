@@ -9,16 +9,6 @@ import pytest
 from tests.asterism.studio.browser import StudioPage
 
 
-def press(page: StudioPage, *places: tuple[float, float]) -> None:
-    """Press at the first place and stay pressed at the last one until what was drawn on the way is sent."""
-    mouse = page.page.mouse
-    mouse.move(*page.point(places[0]))
-    mouse.down()
-    for place in places[1:]:
-        mouse.move(*page.point(place), steps=4)
-    page.page.wait_for_timeout(150)
-
-
 @pytest.mark.parametrize(
     ("tool", "places"),
     [
@@ -29,13 +19,13 @@ def press(page: StudioPage, *places: tuple[float, float]) -> None:
     ],
 )
 def test_escape_calls_a_stroke_off(flat: StudioPage, tool: str, places: list[tuple[float, float]]) -> None:
-    flat.open_again("file-even.toml" if tool == "needles" else "file-plain.toml")
-    flat.item(f"tool-{tool}").click()
+    flat.open_again("file-even.toml" if tool == "needles" else "file-plain.toml", tool)
     before, design = flat.get("studio.sizes"), flat.get("studio.document.design")
     steps = flat.get("studio.document.can_undo")
     if tool == "outline":
         places = [tuple(flat.get("studio.document.plan.outline_mm[0]")), *places[1:]]
-    press(flat, *places)
+    flat.draw(*places)
+    flat.page.wait_for_timeout(150)  # until what was drawn on the way is sent
     assert flat.get("studio.isEditing")
     flat.page.keyboard.press("Escape")
     assert flat.get("studio.sizes") == before
@@ -47,8 +37,7 @@ def test_escape_calls_a_stroke_off(flat: StudioPage, tool: str, places: list[tup
 
 
 def test_two_fingers_zoom_and_do_not_paint(flat: StudioPage) -> None:
-    flat.open_again("file-plain.toml")
-    flat.item("tool-brush").click()
+    flat.open_again("file-plain.toml", "brush")
     before, scale = flat.get("studio.sizes"), flat.point((10.0, 0.0))[0] - flat.point((0.0, 0.0))[0]
     touch = flat.page.context.new_cdp_session(flat.page)
 
@@ -90,8 +79,7 @@ def test_strokes_without_a_connection_follow_when_it_is_there_again(new_flat: Ca
 
 def test_a_stroke_on_the_sheet_in_space_paints(shared: StudioPage) -> None:
     page = shared
-    page.open_again("file-plain.toml")
-    page.item("tool-brush").click()
+    page.open_again("file-plain.toml", "brush")
     page.item("view").focus()
     page.page.keyboard.press("2")  # from above
     page.item("view").hover()
@@ -99,15 +87,12 @@ def test_a_stroke_on_the_sheet_in_space_paints(shared: StudioPage) -> None:
     page.fill("target", 5)
     page.fill("strength", 100)
     before = page.get("studio.sizes.map((sizes) => sizes[0])")
-    box = page.item("view").bounding_box()
-    x, y = page.get("studio.viewOf([0, 0, 12])")
-    mouse = page.page.mouse
+    box, at = page.item("view").bounding_box(), page.get("studio.viewOf([0, 0, 12])")
+    x, y = box["x"] + at[0], box["y"] + at[1]
 
     def stroke() -> None:
-        mouse.move(box["x"] + x, box["y"] + y)
-        mouse.down()
-        mouse.move(box["x"] + x + 3, box["y"] + y, steps=2)
-        mouse.up()
+        page.press((x, y), (x + 3, y))
+        page.page.mouse.up()
 
     page.changed(stroke)
     after = page.get("studio.sizes.map((sizes) => sizes[0])")
@@ -115,17 +100,14 @@ def test_a_stroke_on_the_sheet_in_space_paints(shared: StudioPage) -> None:
     assert after[-1] == before[-1]
     camera = page.get("studio.camera")
     page.page.keyboard.press("d")
-    mouse.move(box["x"] + x, box["y"] + y)
-    mouse.down()
-    mouse.move(box["x"] + x + 60, box["y"] + y, steps=2)
-    mouse.up()
+    page.press((x, y), (x + 60, y))
+    page.page.mouse.up()
     assert page.get("studio.camera.turn") != camera["turn"]
     assert page.get("studio.sizes.map((sizes) => sizes[0])") == after
 
 
 def test_a_pen_that_is_pressed_less_paints_less(flat: StudioPage) -> None:
-    flat.open_again("file-plain.toml")
-    flat.item("tool-brush").click()
+    flat.open_again("file-plain.toml", "brush")
     pen = flat.page.context.new_cdp_session(flat.page)
     x, y = flat.point((0.0, 0.0))
     before, changes = flat.get("studio.sizes"), []

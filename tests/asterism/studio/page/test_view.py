@@ -103,8 +103,7 @@ def test_a_shape_that_is_forgotten_before_it_is_drawn_does_not_stop_the_next_one
 
 def test_the_camera_follows_a_sheet_that_leaves_the_picture_or_becomes_small(shared: StudioPage) -> None:
     page = shared
-    page.open_again("file-seven.toml")
-    page.item("tool-outline").click()
+    page.open_again("file-seven.toml", "outline")
 
     def distance() -> float:
         return float(page.get("studio.camera.distance"))
@@ -124,9 +123,7 @@ def test_the_camera_follows_a_sheet_that_leaves_the_picture_or_becomes_small(sha
     assert rings(1) == pytest.approx(near, rel=0.05)
     # nothing moves under a hand, only when it has let go
     corner = page.get("studio.document.plan.outline_mm[0]")
-    page.page.mouse.move(*page.point(corner))
-    page.page.mouse.down()
-    page.page.mouse.move(*page.point([2.5 * value for value in corner]), steps=4)
+    page.draw(corner, [2.5 * value for value in corner])
     page.wait("studio.stage === 'equilibrium' && studio.shownRevision > studio.revision")
     assert distance() == pytest.approx(near, rel=0.05)
     page.changed(page.page.mouse.up)
@@ -135,9 +132,7 @@ def test_the_camera_follows_a_sheet_that_leaves_the_picture_or_becomes_small(sha
     # a hand has turned it: only a sheet that leaves the picture is fitted again
     rings(3)
     box = page.item("view").bounding_box()
-    page.page.mouse.move(box["x"] + 20, box["y"] + 200)
-    page.page.mouse.down()
-    page.page.mouse.move(box["x"] + 60, box["y"] + 200)
+    page.press((box["x"] + 20, box["y"] + 200), (box["x"] + 60, box["y"] + 200))
     page.page.mouse.up()
     turned = page.get("studio.camera.turn")
     assert rings(1) == pytest.approx(far, rel=0.05)
