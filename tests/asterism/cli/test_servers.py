@@ -26,10 +26,9 @@ PATIENCE_S = 60
 
 
 @pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    (tmp_path / "dome.toml").write_bytes(gallery.path("dome").read_bytes())
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
+def folder(here: Path) -> Path:
+    (here / "dome.toml").write_bytes(gallery.path("dome").read_bytes())
+    return here
 
 
 @pytest.mark.parametrize(
@@ -56,8 +55,8 @@ def test_a_port_in_use_is_one_line(folder: Path, cli: Cli):
         other.bind(("127.0.0.1", 0))
         other.listen()
         port = other.getsockname()[1]
-        refused = cli(["studio", "dome.toml", "--no-browser", "--port", str(port)])
-    assert refused.status == 2 and str(port) in refused.line and "in use" in refused.line
+        refusal = cli(["studio", "dome.toml", "--no-browser", "--port", str(port)]).refusal
+    assert str(port) in refusal and "in use" in refusal
 
 
 @contextmanager

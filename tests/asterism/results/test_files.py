@@ -83,6 +83,9 @@ def test_things_in_the_way_are_named(tmp_path: Path) -> None:
     for target in (tmp_path / "file", tmp_path / "file" / "deep" / "er"):
         with pytest.raises(OutputError, match=r"^cannot write .*file.*: a file is in the way$"):
             check_writable(target)
+    (tmp_path / "link").symlink_to("nowhere")
+    with pytest.raises(OutputError, match=r"link: a file is in the way$"):
+        check_writable(tmp_path / "link")
     (tmp_path / "results" / "shape.vtu").mkdir(parents=True)
     with pytest.raises(OutputError, match=r"shape\.vtu: a folder is in the way$"):
         write(tmp_path / "results", "new")
