@@ -2,24 +2,16 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import trimesh
 
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.fitting.disk import height_mesh
-from benchmarks.fit_targets import rectangle_mesh, round_mesh
+from benchmarks.fit_targets import cap_mesh, rectangle_mesh
 
-
-def spherical_cap(half_angle_deg: float, size_mm: float = 100.0, rings: int = 22) -> tuple[Floats, Ints]:
-    """A cap of a sphere that is `size_mm` wide."""
-    plane, triangles = round_mesh(rings)
-    half = np.deg2rad(half_angle_deg)
-    radius = 0.5 * size_mm / np.sin(min(half, 0.5 * np.pi))
-    angle, around = half * np.linalg.norm(plane, axis=1), np.arctan2(plane[:, 1], plane[:, 0])
-    heights = radius * np.cos(angle)
-    return radius * np.column_stack(
-        [np.sin(angle) * np.cos(around), np.sin(angle) * np.sin(around), heights / radius]
-    ), triangles
+spherical_cap = partial(cap_mesh, rings=22)
 
 
 def cylinder_part(radius: float, turn_rad: float, depth: float) -> tuple[Floats, Ints]:

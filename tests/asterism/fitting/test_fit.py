@@ -17,11 +17,13 @@ from asterism.fitting.first_guess import guess_design
 from asterism.fitting.fit import Fit
 from asterism.fitting.residual import FitPlaces, Residual
 from asterism.fitting.run import fit
+from asterism.fitting.search import StarUnknowns, moves_at
 from asterism.fitting.settings import FitSettings, SettingError
 from asterism.fitting.target import TargetSurface
 from asterism.pattern.layout.build import layout, load_design
 from asterism.previews.law_choice import paper_law
 from asterism.previews.session import Preview
+from asterism.previews.star_sensitivity import star_sensitivity
 from asterism.print.printer import load_printer
 from tests.asterism.commands import Cli
 from tests.asterism.fitting.surfaces import spherical_cap
@@ -96,9 +98,6 @@ def test_the_exact_model_corrects_the_fit(target: TargetSurface) -> None:
 
 
 def test_derivatives_of_the_residuals_are_the_limit_of_edits(target: TargetSurface) -> None:
-    from asterism.fitting.search import StarUnknowns, moves_at
-    from asterism.previews.star_sensitivity import star_sensitivity
-
     guess = guess_design(target, paper_law(), PREVIEW)
     plan = layout(guess.design)
     residual = Residual(target, FitPlaces.of(guess.target_map, plan.outline, plan.lattice_vectors), False)

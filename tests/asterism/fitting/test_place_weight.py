@@ -48,10 +48,6 @@ def residual_of(target: TargetSurface, guess: FirstGuess, is_free: bool) -> Resi
     return Residual(target, FitPlaces.of(guess.target_map, plan.outline, plan.lattice_vectors), is_free)
 
 
-def shown_state(residual: Residual, preview: Preview) -> SheetState:
-    return residual.at(preview.lens(residual.places.points)())
-
-
 def normal_mm(target: TargetSurface, state: SheetState) -> Floats:
     return np.asarray(np.einsum("nc,nc->n", state.places - target.nearest(state.places).places, state.frame[:, 0]))
 
@@ -94,19 +90,12 @@ def test_other_weights_are_refused_in_one_line(target: TargetSurface, weight: An
     assert "\n" not in str(error.value)
 
 
-def test_equal_weights_change_nothing(target: TargetSurface, guess: FirstGuess, preview: Preview) -> None:
-    plain = shown_state(residual_of(target, guess, False), preview)
-    seven = shown_state(residual_of(target.weighted("7"), guess, False), preview)
-    np.testing.assert_allclose(seven.values, plain.values, rtol=1e-12)
-    assert plain.rms_mm == pytest.approx(np.sqrt((normal_mm(target, plain) ** 2).mean()), rel=1e-12)
-
-
 @pytest.mark.parametrize("is_free", [False, True])
 def test_residuals_and_their_derivatives_have_the_weights(
     target: TargetSurface, guess: FirstGuess, preview: Preview, is_free: bool
 ) -> None:
     weighted, plain = residual_of(target.weighted(RIGHT), guess, is_free), residual_of(target, guess, is_free)
-    state = shown_state(weighted, preview)
+    state = weighted.at(preview.lens(weighted.places.points)())
     weight = weighted.target.weight_at(weighted.places.goals[: weighted.places.count])
     by_hand = np.sqrt(weight @ normal_mm(target, state) ** 2 / weight.sum())
     assert state.rms_mm == pytest.approx(by_hand, rel=1e-12)

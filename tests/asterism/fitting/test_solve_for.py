@@ -34,12 +34,13 @@ def test_values_that_do_not_occur_are_refused_with_those_that_do() -> None:
 
 def test_wrong_arguments_are_named() -> None:
     design = asterism.new("dome")
-    with pytest.raises(ValueError, match="wanted = 'depth'"):
-        solve_for(design, "depth", 3.0)  # type: ignore[arg-type]
-    with pytest.raises(ValueError, match="value = -1"):
-        solve_for(design, "height_mm", -1)
-    with pytest.raises(ValueError, match="change = 'stretch'"):
-        solve_for(design, "height_mm", 3.0, "stretch")  # type: ignore[arg-type]
+    for wanted, value, change, problem in (
+        ("depth", 3.0, "length_mm", "wanted = 'depth'"),
+        ("height_mm", -1, "length_mm", "value = -1"),
+        ("height_mm", 3.0, "stretch", "change = 'stretch'"),
+    ):
+        with pytest.raises(ValueError, match=problem):
+            solve_for(design, wanted, value, change)  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="Design is needed"):
         solve_for("dome.toml", "height_mm", 3.0)  # type: ignore[arg-type]
 
@@ -72,16 +73,16 @@ def test_a_point_that_another_needle_holds_is_refused_with_the_nearest_one(canop
 
 
 def test_wrong_arguments_of_a_needle_are_named(canopy: Design) -> None:
-    with pytest.raises(ValueError, match="needle = 5: must be a whole number from 0 to 4"):
-        solve_for_point(canopy, (0.0, 0.0), (0.0, 0.0, 18.0), needle=5)
+    for at, point, needle, problem in (
+        ((0.0, 0.0), (0.0, 0.0, 18.0), 5, "needle = 5: must be a whole number from 0 to 4"),
+        ((300.0, 0.0), (0.0, 0.0, 18.0), 0, "at_mm = .*: must be on the sheet"),
+        ((0.0, 0.0), (0.0, 18.0), 0, "point_mm = .*: must be 3 numbers of mm"),
+        ("centre", (0.0, 0.0, 18.0), 0, "at_mm = 'centre': must be 2 numbers of mm"),
+    ):
+        with pytest.raises(ValueError, match=problem):
+            solve_for_point(canopy, at, point, needle)  # type: ignore[arg-type]
     with pytest.raises(ValueError, match="needles with target_mm are needed"):
         solve_for_point(asterism.new("dome"), (0.0, 0.0), (0.0, 0.0, 18.0))
-    with pytest.raises(ValueError, match=r"at_mm = .*: must be on the sheet"):
-        solve_for_point(canopy, (300.0, 0.0), (0.0, 0.0, 18.0))
-    with pytest.raises(ValueError, match=r"point_mm = .*: must be 3 numbers of mm"):
-        solve_for_point(canopy, (0.0, 0.0), (0.0, 18.0))
-    with pytest.raises(ValueError, match="at_mm = 'centre': must be 2 numbers of mm"):
-        solve_for_point(canopy, "centre", (0.0, 0.0, 18.0))  # type: ignore[arg-type]
     with pytest.raises(TypeError, match="Design is needed"):
         solve_for_point({}, (0.0, 0.0), (0.0, 0.0, 18.0))  # type: ignore[arg-type]
 
