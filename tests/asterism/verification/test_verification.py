@@ -1,21 +1,39 @@
-"""What a verification warns of, and that it does so only where it is true."""
+"""Which exact shape counts, what is of its form, and what a verification warns of, and that only where it is true."""
 
 from __future__ import annotations
 
 from dataclasses import replace
 from functools import cache
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 
 from asterism.equilibrium.arrays import Floats
+from asterism.equilibrium.newton.minimise import Iteration
 from asterism.exact.simulation import off_branch
+from asterism.pattern.geometry.planar import inside
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
+from asterism.previews.session import preview
+from asterism.reports.plots import profile_cut
 from asterism.results.records.exact import ExactRecord
 from asterism.shape.comparison import compare_shapes
-from asterism.verification.verification import Verification, verification_warnings
+from asterism.verification.run import STAGES, WHOLE, ExactProgress, verify
+from asterism.verification.verification import (
+    MAX_FORM_DISTANCE_PERCENT,
+    MAX_LIKE_AXIS_DEG,
+    MAX_LIKE_DISTANCE_PERCENT,
+    MAX_LIKE_NORMALS_DEG,
+    Verification,
+    _same_stars_down,
+    alike,
+    right_shape,
+    same_branch,
+    verification_warnings,
+)
+from tests.asterism.previews.designs import edited
 from tests.asterism.verification.printed import design, shape
 
 OF = design()
@@ -26,6 +44,116 @@ EXACT = {
 }  # fmt: skip
 
 OFF = "1 of 7 stars of the exact shape is not on the side that the design asks for: star 3"
+
+
+def ended(energy: float, off: tuple[int, ...] = (), minimum: bool = True, **more: Any) -> Any:
+    """An exact shape, of which only the summary counts."""
+    summary = {"energy_n_mm": energy, "stars_off_branch": list(off), "is_minimum": minimum}
+    return SimpleNamespace(summary=summary | more)
+
+
+@pytest.mark.parametrize(
+    ("release", "preview", "counts"),
+    [
+        (ended(10.0), ended(9.9), "preview"),
+        (ended(10.0), ended(9.9, off=(3,)), "release"),
+        (ended(10.0, minimum=False), ended(11.0, off=(3,)), "preview"),
+        (ended(10.0), ended(10.0 - 1e-8), "release"),  # the same minimum but for rounding
+        (ended(-10.0), ended(-10.1), "preview"),
+    ],
+)
+def test_certified_ones_first_then_sides_then_energy(release: Any, preview: Any, counts: str) -> None:
+    assert right_shape({"release": release, "preview": preview}) == counts
+
+
+def test_starts_agree_only_on_images_of_each_other() -> None:
+    """A star that is down in the middle is not one that is down at a corner; two corners are the same."""
+    same, radius = symmetries(OF, PLAN), np.linalg.norm(PLAN.centres, axis=1)
+    middle, corners = int(radius.argmin()), np.flatnonzero(radius > 1.0)
+
+    def down(*stars: int) -> Any:
+        return ended(1.0, stars_down=[int(star) for star in stars], stars_total=7)
+
+    def agree(*pair: Any) -> bool:
+        return _same_stars_down(*pair, PLAN, same)
+
+    assert agree(down(), down()) and agree(down(corners[0]), down(corners[2]))
+    assert not agree(down(middle), down(corners[0])) and not agree(down(), down(corners[0]))
+
+
+def test_profiles_of_an_l_stay_on_the_sheet() -> None:
+    """The middle of its stars is off the sheet."""
+    legs = [[-60, -60], [60, -60], [60, -32], [-32, -32], [-32, 60], [-60, 60]]
+    border = {"polygon_mm": legs, "star_margin_mm": 3}
+    plan = layout(design(border=border))
+    assert not inside(plan.centres.mean(axis=0)[None], plan.outline)[0]
+    seen: list[np.ndarray] = []
+    sheet = SimpleNamespace(at=seen.append)
+    for direction in np.eye(2):
+        profile_cut(SimpleNamespace(layout=plan, reference=sheet, other=sheet), direction)  # type: ignore[arg-type]
+    assert len(seen) == 4 and all(inside(points, plan.outline).all() for points in seen)
+    assert all(np.ptp(points, axis=0).max() > 25.0 for points in seen)
+
+
+def compared(
+    rms_percent: float = 1.0, axes: tuple[float | None, float | None] = (None, None), normals: float = 5.0
+) -> Any:
+    return SimpleNamespace(rms_percent=rms_percent, roll_axes_deg=axes, normals_rms_deg=normals)
+
+
+@pytest.mark.parametrize(
+    ("numbers", "same"),
+    [
+        ({}, True),
+        ({"rms_percent": 1.1 * MAX_LIKE_DISTANCE_PERCENT}, False),
+        ({"axes": (30.0, None)}, False),
+        ({"axes": (175.0, 175.0 + 0.9 * MAX_LIKE_AXIS_DEG - 180.0)}, True),  # axes have no direction
+        ({"axes": (30.0, 30.0 + 1.1 * MAX_LIKE_AXIS_DEG)}, False),
+        ({"normals": 0.9 * MAX_LIKE_NORMALS_DEG}, True),
+        ({"normals": 1.1 * MAX_LIKE_NORMALS_DEG}, False),
+    ],
+)
+def test_shapes_are_alike_if_near_rolled_about_one_axis_and_facing_the_same_way(
+    numbers: dict[str, Any], same: bool
+) -> None:
+    assert alike(compared(**numbers)) is same
+
+
+def test_of_two_exact_forms_the_one_that_counts_must_be_nearer() -> None:
+    near, far, apart = compared(), compared(4.0), 2.0 * MAX_FORM_DISTANCE_PERCENT
+    assert same_branch(near, far, apart)
+    assert not same_branch(far, near, apart)
+    assert same_branch(far, near, 0.5 * MAX_FORM_DISTANCE_PERCENT)  # then both are one form
+    assert not same_branch(compared(1.1 * MAX_LIKE_DISTANCE_PERCENT), far, 0.5 * MAX_FORM_DISTANCE_PERCENT)
+
+
+def test_release_and_meshes_share_the_steps() -> None:
+    told: list[int] = []
+    progress = ExactProgress("exact", lambda stage, done, of: told.append(done))
+    for text in (
+        "300 vertices, 20 %",
+        "300 vertices, 100 %",
+        "300 vertices, equilibrium",
+        "1000 vertices, equilibrium",
+        "300 vertices, 40 %, to the side",
+        "4000 vertices, equilibrium",
+    ):
+        progress.report(text, Iteration(0, 0.0, 0.0, 0.0, 0.0))
+    progress.finish()
+    assert told == sorted(told) and told[0] == 0 and told[-1] == WHOLE and max(told[:-1]) < WHOLE
+    assert told[1] == 10 and told[2] == 50 and 50 < told[3] < told[4] < told[6]
+
+
+@pytest.mark.slow
+def test_a_ready_preview_is_not_made_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    dome = edited("dome", border={"rings": 1}, mesh={"edge_mm": 6.0})
+    ready = preview(dome)
+    monkeypatch.setattr("asterism.verification.run.preview", lambda *_, **__: pytest.fail("made again"))
+    told: list[tuple[str, int, int]] = []
+    found = verify(dome, ready=ready, progress=lambda *step: told.append(step))
+    assert found.preview is ready and found.summary["preview_s"] == ready.summary["wall_s"]
+    assert list(dict.fromkeys(stage for stage, _, _ in told)) == list(STAGES)
+    assert all(told[-1][1:] == (1, 1) for _ in STAGES)
 
 
 def bowl(depth: float) -> Any:
@@ -96,11 +224,7 @@ def test_heights_that_were_expected_to_differ_are_no_surprise(
     [
         ([2, 5], [2, 5], "2 of 7 stars of the exact shape bump down: stars 2, 5"),
         ([2, 5], [], "2 of 7 stars of the exact shape bump down: stars 2, 5"),
-        (
-            [],
-            [3],
-            "the exact model: 1 of 7 stars of the exact shape is not on the side that the design asks for: star 3",
-        ),
+        ([], [3], f"the exact model: {OFF}"),
     ],
 )
 def test_stars_on_another_side_are_named_once(down: list[int], off: list[int], line: str) -> None:
