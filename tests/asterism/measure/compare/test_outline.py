@@ -40,15 +40,10 @@ def test_csv(tmp_path: Path) -> None:
     np.testing.assert_array_equal(read_outline(tmp_path / "a.csv", "cm").corners, [[0, 0], [100, 0], [100, 100]])
 
 
-def test_a_drawing_with_a_size_takes_no_unit(tmp_path: Path) -> None:
-    (tmp_path / "a.svg").write_text(SVG.format(size='width="10cm" height="10cm"', body=RECT))
-    with pytest.raises(ScanError, match="its own size: --units"):
-        read_outline(tmp_path / "a.svg", "cm")
-
-
 @pytest.mark.parametrize(
     ("name", "text", "problem"),
     [
+        ("a.svg", SVG.format(size='width="10cm" height="10cm"', body=RECT), "its own size: --units"),
         ("a.svg", SVG.format(size="", body=""), "no line"),
         ("a.svg", "<html></html>", "is not a drawing in SVG"),
         ("a.csv", "x_mm,y_mm\n0,0\n10,10\n10,0\n0,10\n", "crosses itself"),
@@ -60,7 +55,7 @@ def test_a_drawing_with_a_size_takes_no_unit(tmp_path: Path) -> None:
 def test_mistakes(name: str, text: str, problem: str, tmp_path: Path) -> None:
     (tmp_path / name).write_text(text)
     with pytest.raises((ScanError, TableError), match=problem):
-        read_outline(tmp_path / name)
+        read_outline(tmp_path / name, "cm")
 
 
 def test_silhouettes() -> None:

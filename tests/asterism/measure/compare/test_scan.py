@@ -61,25 +61,6 @@ def test_samples_are_spread_by_area() -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "content", "problem"),
-    [
-        ("a.obj", b"", "holds no points"),
-        ("a.stl", b"", "0 bytes"),
-        ("a.ply", b"", "cannot be read as PLY"),
-        ("a.obj", b"\x00\xff\xfe\x12", "cannot be read as OBJ"),
-        ("a.obj", b"v 1 2 3\n" * 40, "too few points"),
-        ("a.obj", "".join(f"v {k} {2 * k} 1e-6\n" for k in range(40)).encode(), "on one line"),
-        ("a.obj", b"v 1 2 nan\nv 0 0 1\n", "finite"),
-    ],
-)
-def test_mistakes(name: str, content: bytes, problem: str, tmp_path: Path) -> None:
-    (tmp_path / name).write_bytes(content)
-    with pytest.raises(ScanError, match=problem) as caught:
-        read_scan(tmp_path / name)
-    assert name in str(caught.value) and "\n" not in str(caught.value)
-
-
-@pytest.mark.parametrize(
     ("size", "unit", "says"),
     [
         (100.0 / 25.4, "mm", "--units in"),
@@ -141,6 +122,13 @@ LOOP = b"solid a\nfacet normal 0 0 1\nouter loop\n%bendloop\nendfacet\nendsolid 
 @pytest.mark.parametrize(
     ("name", "content", "expected"),
     [
+        ("a.obj", b"", "holds no points"),
+        ("a.stl", b"", "0 bytes"),
+        ("a.ply", b"", "cannot be read as PLY"),
+        ("a.obj", b"\x00\xff\xfe\x12", "cannot be read as OBJ"),
+        ("a.obj", b"v 1 2 3\n" * 40, "too few points"),
+        ("a.obj", "".join(f"v {k} {2 * k} 1e-6\n" for k in range(40)).encode(), "on one line"),
+        ("a.obj", b"v 1 2 nan\nv 0 0 1\n", "finite"),
         # three short lines of two numbers make two vertices for a parser that only counts numbers
         *(("a.obj", VERTICES + n * line, "line 26") for line in (b"v 1 2\n", b"v\n", b"v 1 2 x\n") for n in (1, 3)),
         ("a.obj", OBJ + b"f 0 1 2", "line 43: the face has the vertex 0, but vertices are numbered from 1 to 25"),
@@ -159,10 +147,13 @@ LOOP = b"solid a\nfacet normal 0 0 1\nouter loop\n%bendloop\nendfacet\nendsolid 
         ("a.stl", stl_binary()[:500], "8 of 16 triangles"),
     ],
 )
-def test_what_is_damaged_is_named_with_its_place(name: str, content: bytes, expected: str, tmp_path: Path) -> None:
+def test_mistakes_and_damages_are_named_with_their_place(
+    name: str, content: bytes, expected: str, tmp_path: Path
+) -> None:
     (tmp_path / name).write_bytes(content)
-    with pytest.raises(ScanError, match=re.escape(expected)):
+    with pytest.raises(ScanError, match=re.escape(expected)) as caught:
         read_scan(tmp_path / name)
+    assert name in str(caught.value) and "\n" not in str(caught.value)
 
 
 def test_textures_and_colours_are_passed_over(tmp_path: Path) -> None:
