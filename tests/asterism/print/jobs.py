@@ -6,6 +6,8 @@ from collections.abc import Callable
 from typing import Any
 
 from asterism.pattern.design.design import Design
+from asterism.print import sheets
+from asterism.print.drawing import Drawing, Label
 from asterism.print.job import Job, prepare
 from asterism.print.printer import load_plastic, load_printer
 from asterism.print.settings import ExportSettings
@@ -61,6 +63,18 @@ def job(
     return prepare(of or design(), changed, load_plastic("tpu95a"), ExportSettings(**settings), shape, any_size)
 
 
+def needle_sheet(of: Job) -> Drawing:
+    """The page for the base of a print with needles."""
+    page = sheets.needle_sheet(of)
+    assert page is not None
+    return page
+
+
+def texts(page: Drawing) -> str:
+    """All that is written on a page."""
+    return " ".join(item.text for item in page.items if isinstance(item, Label))
+
+
 Run = Callable[..., Outcome]
 
 ALWAYS = {
@@ -80,9 +94,3 @@ ALWAYS = {
 }
 PINNED = {"needles.csv", "needles.dxf", "needles.svg"}
 SHAPE = {"shape.obj", "shape.stl", "shape.glb", "shape.vtu", "rods.vtu"}
-
-
-def mistake(ended: Outcome) -> str:
-    """The one line of a refused command."""
-    assert ended.status == 2, ended.err
-    return ended.line

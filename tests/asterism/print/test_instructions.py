@@ -16,7 +16,7 @@ from asterism.print.drawing import Circle, Drawing, Label
 from asterism.print.job import Job
 from asterism.print.needles import needles_in_plastic, needles_near_edge
 from asterism.print.rounded import tiny_pieces
-from tests.asterism.print.jobs import design, job
+from tests.asterism.print.jobs import design, job, needle_sheet, texts
 
 
 def chapters(one: Job) -> tuple[instructions.Chapter, ...]:
@@ -96,7 +96,7 @@ def test_a_height_with_released_fabric_is_told_wherever_it_stands() -> None:
         remark, *_ = one.start_code.splitlines()
         assert (remark.startswith(";") and "0.80 mm of fabric, released" in remark) == told
         assert one.start_code.endswith(one.printer.start_snippet(one.z_offset_mm))
-        column = " ".join(item.text for item in sheets.layout_sheet(one).items if isinstance(item, Label))
+        column = texts(sheets.layout_sheet(one))
         assert f"{one.z_offset_mm:.2f} mm above the bed" in column
         assert ("with the released fabric" in column) == told
         assert ("thinner when stretched" in said(one)) == told
@@ -105,13 +105,10 @@ def test_a_height_with_released_fabric_is_told_wherever_it_stands() -> None:
 @pytest.mark.parametrize("name", ["small", "W" * 100])
 def test_texts_stay_on_their_pages(name: str) -> None:
     one = job(design(name=name.strip()))
-    template = sheets.needle_sheet(one)
-    assert template is not None
-    many = sheets.needle_sheet(job(needle_spacing_mm=4.0))
-    assert many is not None
     pages = instructions.as_pages(one, chapters(one))
     assert len(pages) == 2
-    for page in (*pages, sheets.layout_sheet(one), sheets.stretch_sheet(one), template, many):
+    many = needle_sheet(job(needle_spacing_mm=4.0))
+    for page in (*pages, sheets.layout_sheet(one), sheets.stretch_sheet(one), needle_sheet(one), many):
         check_texts(page)
     assert all(tuple(page.size_mm) == (210.0, 297.0) for page in pages)
 
@@ -124,9 +121,8 @@ def test_needles_along_which_the_sheet_slides_get_a_hole() -> None:
     assert "into the hole of that number: 6 needles." in text and "no holes for them" not in text
     assert "slides up and down along needles 4 to 6: leave it free there" in text
     assert "at these heights over the base: 5.0 mm at needles 1 to 3." in text and "nan" not in text
-    template = sheets.needle_sheet(one)
-    assert template is not None
-    words = " ".join(item.text for item in template.items if isinstance(item, Label))
+    template = needle_sheet(one)
+    words = texts(template)
     assert "it finds its own" in words and "computed shape" not in words and "nan" not in words
     # a hole and its cross, the middle's cross, and the number beside it
     assert sum(isinstance(item, Circle) for item in template.items) == 6

@@ -26,7 +26,7 @@ from asterism.print.printer import adjusted_printer, load_printer
 from asterism.print.rounded import better_layers, choose_rounding, size_changes
 from asterism.print.settings import ExportSettings
 from asterism.print.solid import height_steps
-from tests.asterism.print.jobs import Run, design, job, mistake
+from tests.asterism.print.jobs import Run, design, job
 from tests.asterism.sheets import sheet
 
 
@@ -203,14 +203,10 @@ def test_needles_that_slide_along_z_have_a_place_and_no_height(tmp_path: Path) -
     assert [needle.height_mm for needle in job(design(pins=pins[1:])).needles] == [None]
 
 
-def test_a_shape_of_another_design_is_refused() -> None:
-    other = sheet(lambda p: np.column_stack([p, np.zeros(len(p))]), 80.0, 60.0)
-    with pytest.raises(DesignError, match=r"^shape = 'a sheet of 80.0 x 60.0 mm': must be of this design"):
-        job(shape=other)
-
-
-def test_a_shape_made_from_other_entries_is_refused() -> None:
+def test_a_shape_of_another_design_or_made_from_other_entries_is_refused() -> None:
     flat = sheet(lambda p: np.column_stack([p, np.zeros(len(p))]), 80.0, 60.0)
+    with pytest.raises(DesignError, match=r"^shape = 'a sheet of 80.0 x 60.0 mm': must be of this design"):
+        job(shape=flat)
     mine = design(border={"rectangle_mm": [80.0, 60.0]}, pins=[{"corners": [0]}])
     stars = len(layout(mine).centres)
     same = replace(flat, star_vertices=flat.star_vertices[:stars], summary={"design": mine.to_dict()})
@@ -302,14 +298,13 @@ def test_the_frame_is_an_option(here: Path, run: Run) -> None:
     words = ["export", "d.toml", "--printer", "ender-3"]
     # in the way of exports with a shape only
     (in_the_way := here / "d-print" / "shape.vtu").mkdir(parents=True)
-    default = run(*words)
+    default = run(*words).done
     in_the_way.rmdir()
-    assert default.status == 0 and "the frame of 260 x 260 mm is larger than the bed of 220 x 220 mm" in default.err
-    given = run(*words, "--frame", "200x180")
-    assert given.status == 0 and "larger than the bed" not in given.err
+    assert "the frame of 260 x 260 mm is larger than the bed of 220 x 220 mm" in default.err
+    assert "larger than the bed" not in run(*words, "--frame", "200x180").done.err
     assert "frame of 200 x 180 mm" in " ".join((here / "d-print" / "instructions.txt").read_text().split())
     for wrong in ("wide", "5x5", ""):
-        assert "--frame" in mistake(run(*words, f"--frame={wrong}"))
+        assert "--frame" in run(*words, f"--frame={wrong}").refusal
 
 
 def test_a_frame_that_stands_out_over_the_bed_is_named() -> None:

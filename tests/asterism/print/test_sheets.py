@@ -2,26 +2,71 @@
 
 from __future__ import annotations
 
+import io
+import math
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
+import pypdfium2
 import pytest
+import resvg_py
 import shapely
+from PIL import Image
 
+from asterism.equilibrium.arrays import Floats
 from asterism.print import sheets
 from asterism.print.drawing import Drawing, Label, Polyline
 from asterism.print.formats.dxf import write_dxf
 from asterism.print.formats.pdf import write_pdf
 from asterism.print.formats.svg import write_svg
 from asterism.print.job import Job
-from tests.asterism.print import measure
-from tests.asterism.print.jobs import design, job
+from tests.asterism.print.jobs import design, job, needle_sheet, texts
 
 ezdxf = pytest.importorskip("ezdxf")
-pytest.importorskip("pypdfium2")
 SAME_MM = 0.01
+INCH_MM = 25.4
+
+
+def pdf_band(
+    path: Path, page: int, low_mm: tuple[float, float], high_mm: tuple[float, float], pixels_per_mm: float
+) -> tuple[Floats, tuple[float, float]]:
+    """Part of a page between two corners in mm from its lower left, and its true pixels per mm along x and y.
+
+    (rows, columns, 3), row 0 the uppermost. The renderer stretches a page to whole pixels.
+    """
+    sheet = pypdfium2.PdfDocument(path)[page]
+    width, height = sheet.get_size()
+    points = 72 / INCH_MM
+    crop = (low_mm[0] * points, low_mm[1] * points, width - high_mm[0] * points, height - high_mm[1] * points)
+    image = sheet.render(scale=pixels_per_mm / points, crop=crop).to_pil().convert("RGB")
+    true = tuple(math.ceil(side * pixels_per_mm / points) / side * points for side in (width, height))
+    return np.asarray(image, dtype=float), (true[0], true[1])
+
+
+def svg_pixels(path: Path, pixels_per_mm: float) -> Floats:
+    """(rows, columns, 3) a whole SVG at its own size."""
+    data = bytes(resvg_py.svg_to_bytes(svg_path=str(path), dpi=round(pixels_per_mm * INCH_MM), background="white"))
+    return np.asarray(Image.open(io.BytesIO(data)).convert("RGB"), dtype=float)
+
+
+def lines_mm(band: Floats, pixels_per_mm: float) -> Floats:
+    """Middles of the orange lines that cross all rows of a band, in mm from its left: the sides of check squares."""
+    red, green, blue = np.moveaxis(band, -1, 0)
+    profile = np.clip(np.minimum(green - blue, red - green + 60), 0.0, None).mean(axis=0)
+    on = profile > 0.02 * profile.max()
+    line = np.cumsum(on & ~np.r_[False, on[:-1]]) * on
+    columns = np.arange(len(profile)) + 0.5
+    middles = np.bincount(line, profile * columns)[1:] / np.bincount(line, profile)[1:]
+    return np.asarray(middles / pixels_per_mm)
+
+
+def check_squares(places: Floats, stretch: float) -> None:
+    """10 cm before stretching, 10 cm times the stretch after."""
+    assert len(places) == 4
+    assert places[2] - places[1] == pytest.approx(100.0, abs=SAME_MM)
+    assert places[3] - places[0] == pytest.approx(100.0 * stretch, abs=SAME_MM)
 
 
 @pytest.fixture(scope="module")
@@ -33,8 +78,7 @@ def one() -> Job:
 @pytest.fixture(scope="module")
 def folder(one: Job, tmp_path_factory: pytest.TempPathFactory) -> Path:
     path = tmp_path_factory.mktemp("sheets")
-    template = sheets.needle_sheet(one)
-    assert template is not None
+    template = needle_sheet(one)
     pages = [sheets.layout_sheet(one), sheets.stretch_sheet(one), template]
     write_pdf(path / "layout.pdf", pages)
     write_svg(path / "layout.svg", pages[0])
@@ -51,32 +95,26 @@ def middle(drawing: Drawing) -> tuple[float, float]:
 @pytest.mark.slow
 @pytest.mark.parametrize("page", [0, 1])
 def test_the_check_square_on_the_rendered_pdf(one: Job, folder: Path, page: int) -> None:
-    """10 cm before stretching, 10 cm times the stretch of each direction after."""
     x, y = middle(sheets.layout_sheet(one))
     # bands of a few dashes beside the middle; the alignment marks are elsewhere
-    across, (scale_x, _) = measure.pdf_band(folder / "layout.pdf", page, (x - 90, y + 20), (x + 90, y + 32), 24.0)
-    upwards, (_, scale_y) = measure.pdf_band(folder / "layout.pdf", page, (x + 20, y - 90), (x + 32, y + 90), 24.0)
+    across, (scale_x, _) = pdf_band(folder / "layout.pdf", page, (x - 90, y + 20), (x + 90, y + 32), 24.0)
+    upwards, (_, scale_y) = pdf_band(folder / "layout.pdf", page, (x + 20, y - 90), (x + 32, y + 90), 24.0)
     for band, scale, stretch in ((across, scale_x, 1.35), (np.swapaxes(upwards, 0, 1), scale_y, 1.3)):
-        places = np.array(measure.lines_mm(measure.orange(band), scale))
-        assert len(places) == 4
-        assert places[2] - places[1] == pytest.approx(100.0, abs=SAME_MM)
-        assert places[3] - places[0] == pytest.approx(100.0 * stretch, abs=SAME_MM)
+        places = lines_mm(band, scale)
+        check_squares(places, stretch)
         # about the middle of the frame, but for the whole pixels at which the band begins
         assert places.mean() == pytest.approx(90.0, abs=2 / scale)
 
 
 def test_pages_are_a3_with_the_papers_frame_and_everything_on_them(one: Job, folder: Path) -> None:
-    for page in range(3):
-        assert measure.pdf_size_mm(folder / "layout.pdf", page) == pytest.approx((420.0, 297.0), abs=SAME_MM)
-    template = sheets.needle_sheet(one)
-    assert template is not None
-    for drawing in (sheets.layout_sheet(one), sheets.stretch_sheet(one), template):
+    sizes = [page.get_size() for page in pypdfium2.PdfDocument(folder / "layout.pdf")]
+    np.testing.assert_allclose(np.array(sizes) * INCH_MM / 72, [(420.0, 297.0)] * 3, rtol=0.0, atol=SAME_MM)
+    for drawing in (sheets.layout_sheet(one), sheets.stretch_sheet(one), needle_sheet(one)):
         check_page(drawing)
 
 
 @pytest.mark.slow
 def test_the_check_square_on_the_rendered_svg(one: Job, folder: Path) -> None:
-    pytest.importorskip("resvg_py")
     root = ElementTree.parse(folder / "layout.svg").getroot()
     assert (root.get("width"), root.get("height"), root.get("viewBox")) == ("420mm", "297mm", "0 0 420 297")
     groups = {group.get("id") for group in root.iter("{http://www.w3.org/2000/svg}g")}
@@ -84,15 +122,11 @@ def test_the_check_square_on_the_rendered_svg(one: Job, folder: Path) -> None:
     # any name survives
     assert one.design.name in [text.text for text in root.iter("{http://www.w3.org/2000/svg}text")]
     scale = 254 / 25.4
-    image = measure.svg_pixels(folder / "layout.svg", scale)
+    image = svg_pixels(folder / "layout.svg", scale)
     assert image.shape[:2] == (2970, 4200)  # 297 x 420 mm at ten pixels a millimetre
     x, y = middle(sheets.layout_sheet(one))
     rows = slice(int((297 - y - 32) * scale), int((297 - y - 20) * scale))
-    band = image[rows, int((x - 90) * scale) : int((x + 90) * scale)]
-    places = np.array(measure.lines_mm(measure.orange(band), scale))
-    assert len(places) == 4
-    assert places[2] - places[1] == pytest.approx(100.0, abs=SAME_MM)
-    assert places[3] - places[0] == pytest.approx(135.0, abs=SAME_MM)
+    check_squares(lines_mm(image[rows, int((x - 90) * scale) : int((x + 90) * scale)], scale), 1.35)
 
 
 def test_dxf_is_sound_and_in_millimetres(one: Job, folder: Path) -> None:
@@ -166,7 +200,7 @@ def test_large_beds_and_small_frames(stretch: Any, printer: dict[str, Any], side
     layout, check = sheets.layout_sheet(made), sheets.stretch_sheet(made)
     check_page(layout)
     check_page(check)
-    words = " ".join(texts(check))
+    words = texts(check)
     x, y = made.check_after_mm
     assert f"before: {side:g} x {side:g} mm" in words and f"after: {x:.1f} x {y:.1f} mm" in words
     front = next(item for item in layout.items if isinstance(item, Label) and item.text == "front of the printer")
@@ -176,8 +210,8 @@ def test_large_beds_and_small_frames(stretch: Any, printer: dict[str, Any], side
 def test_a_fabric_that_stays_longer_is_stretched_further() -> None:
     made = job(design(fabric={"stretch": [1.3, 1.2]}), fabric_set_percent=4.0)
     assert np.allclose(made.check_after_mm, made.check_before_mm * 1.04 * np.array([1.3, 1.2]))
-    assert "stretch that you measured, over 1.04, into fabric.stretch" in " ".join(texts(sheets.stretch_sheet(made)))
-    assert "stretched by 1.352 along x and 1.248 along y" in " ".join(texts(sheets.layout_sheet(made)))
+    assert "stretch that you measured, over 1.04, into fabric.stretch" in texts(sheets.stretch_sheet(made))
+    assert "stretched by 1.352 along x and 1.248 along y" in texts(sheets.layout_sheet(made))
 
 
 def check_page(drawing: Drawing) -> None:
@@ -190,17 +224,12 @@ def check_page(drawing: Drawing) -> None:
 def test_the_origin_is_not_written_over_a_needle(place: list[float]) -> None:
     """Nor over its number and height, which stand to its right."""
     mast = {"points_mm": [place], "target_mm": [*place, 25.0]}
-    template = sheets.needle_sheet(job(design(pins=[mast, {"where": "corners", "scale": 0.8, "step": 1}])))
-    assert template is not None
+    template = needle_sheet(job(design(pins=[mast, {"where": "corners", "scale": 0.8, "step": 1}])))
     word = next(item for item in template.items if isinstance(item, Label) and item.text == "origin")
     label = next(item for item in template.items if isinstance(item, Label) and item.text == "1  z 25.0")
     apart = np.abs(word.at - label.at)
     assert apart[1] > 4.0 or word.at[0] + 6.0 < label.at[0] or word.at[0] - 6.0 > label.at[0] + 16.0
-    assert any("Steps are set one after the other" in line for line in texts(template))
-
-
-def texts(page: Drawing) -> list[str]:
-    return [item.text for item in page.items if isinstance(item, Label)]
+    assert "Steps are set one after the other" in texts(template)
 
 
 @pytest.mark.parametrize(
@@ -214,5 +243,5 @@ def test_an_arrow_shows_the_grain(stretch: Any, turn: float, stretched_deg: floa
         arrow = next(item for item in page.items if isinstance(item, Polyline) and item.layer.name == "grain")
         along = arrow.points[1] - arrow.points[0]
         assert np.degrees(np.arctan2(along[1], along[0])) == pytest.approx(angle, abs=0.01)
-        assert "grain" in " ".join(texts(page))
+        assert "grain" in texts(page)
     assert not [item for item in sheets.layout_sheet(job()).items if item.layer.name == "grain"]

@@ -23,7 +23,6 @@ from asterism.reports.design_report import LAYOUT_AT, LAYOUT_MM, design_facts, r
 from asterism.reports.html import png
 from asterism.reports.write_results import write_results
 from tests.asterism.commands import Cli
-from tests.asterism.print.measure import pdf_words
 
 DESIGN = """
 name = "small roof"
@@ -237,7 +236,7 @@ def test_the_page_shows_the_exact_shape_or_says_why_it_has_no_picture(tmp_path: 
     write_results(exact_shape(CROSS), tmp_path / "cross")
     written = report(CROSS, tmp_path / "with.pdf", beside=tmp_path / "cross")
     assert written.shape is not None and written.source == "by the exact model"
-    words = " ".join(pdf_words(tmp_path / "with.pdf", 0))
+    words = " ".join(page(tmp_path / "with.pdf")[0].split())
     assert "40 mm in all" in words and "Exact, mesh error" in words
 
 
