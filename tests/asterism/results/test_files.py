@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import signal
 import subprocess
@@ -70,7 +71,6 @@ def test_a_real_failing_write(tmp_path: Path) -> None:
     run = subprocess.run(
         [sys.executable, "-c", program],
         cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[3])},
         capture_output=True,
         text=True,
     )
@@ -143,8 +143,7 @@ def killed_at(directory: Path, moment: str) -> None:
         f"with staged_result({str(directory)!r}) as folder:\n"
         f"    for name in {NAMES!r}: (folder / name).write_text('new')\n"
     )
-    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[3])}
-    assert subprocess.run([sys.executable, "-c", program], env=environment).returncode == -signal.SIGKILL
+    assert subprocess.run([sys.executable, "-c", program]).returncode == -signal.SIGKILL
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such kill")
@@ -169,3 +168,50 @@ def test_files_have_the_permissions_that_the_user_gives_new_files(tmp_path: Path
     finally:
         os.umask(before)
     assert {file.stat().st_mode & 0o777 for file in tmp_path.iterdir()} == {0o600}
+
+
+KINDS = {
+    "simulate": {"summary.json", "shape.vtu", "rods.vtu", "shape.obj", "shape.png", "minimum-2.vtu", "minimum-2.png"},
+    "verify": {"summary.json", "report.html", "exact.vtu", "preview.vtu", "exact.obj", "preview.obj"},
+    "compare": {"summary.json", "compare.png"},
+    "law show": {"summary.json", "law.png"},
+}
+MINE = {"notes.txt", "my shape.vtu", "shape.vtu.bak", "shape.stl", "export.json", "minimum-2.txt"}
+
+
+def fill(folder: Path, names: set[str], content: str = "old") -> None:
+    for name in names:
+        (folder / name).write_text(content)
+
+
+@pytest.mark.parametrize("after", KINDS)
+def test_one_kind_is_left(after: str, tmp_path: Path) -> None:
+    fill(tmp_path, set().union(*KINDS.values()) | MINE)
+    with staged_result(tmp_path) as folder:
+        fill(folder, KINDS[after], "new")
+    assert contents(tmp_path) == dict.fromkeys(KINDS[after], "new") | dict.fromkeys(MINE, "old")
+
+
+def test_a_disk_that_is_full_at_the_first_file_leaves_the_other_kind_whole(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fill(tmp_path, KINDS["verify"])
+    move = os.replace
+
+    def full(source: Path, target: Path) -> None:
+        if target == tmp_path / "compare.png":
+            raise OSError(errno.ENOSPC, "No space left on device")
+        move(source, target)
+
+    monkeypatch.setattr(os, "replace", full)
+    with pytest.raises(OutputError, match="the disk is full"), staged_result(tmp_path) as folder:
+        fill(folder, KINDS["compare"], "new")
+    assert contents(tmp_path) == dict.fromkeys(KINDS["verify"], "old")
+
+
+def test_a_folder_that_holds_no_result_keeps_its_files(tmp_path: Path) -> None:
+    """A report of something else, in the folder where results are now written."""
+    fill(tmp_path, {"report.html", "cells.csv"})
+    with staged_result(tmp_path) as folder:
+        fill(folder, KINDS["compare"], "new")
+    assert contents(tmp_path) == dict.fromkeys(KINDS["compare"], "new") | {"report.html": "old", "cells.csv": "old"}
