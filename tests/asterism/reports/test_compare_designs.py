@@ -129,9 +129,8 @@ def test_exact_shapes_have_their_mesh_errors(tmp_path: Path) -> None:
 def test_the_command_prints_the_numbers(tmp_path: Path, cli: Cli) -> None:
     for name, thickness in (("a", 0.3), ("b", 0.4)):
         save_design(small(stars={"length_mm": 8.0, "thickness_mm": thickness}), tmp_path / f"{name}.toml")
-    ended = cli(["compare-designs", str(tmp_path / "a.toml"), str(tmp_path / "b.toml")])
-    assert ended.status == 0
-    assert f"{tmp_path / 'a-b.html'}: 1 entry differs" in ended.out and "print time, minutes" in ended.out
+    printed = cli(["compare-designs", str(tmp_path / "a.toml"), str(tmp_path / "b.toml")]).done.out
+    assert f"{tmp_path / 'a-b.html'}: 1 entry differs" in printed and "print time, minutes" in printed
     assert cli(["compare-designs", str(tmp_path / "a.toml")]).refusal == "asterism: must be 2 to 12 design files, not 1"
     pdf = cli(["compare-designs", *2 * [str(tmp_path / "a.toml")], "-o", "x.pdf"])
-    assert pdf.status == 2 and pdf.line == "asterism: --output: 'x.pdf' must end with .html"
+    assert pdf.refusal == "asterism: --output: 'x.pdf' must end with .html"

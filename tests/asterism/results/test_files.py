@@ -192,9 +192,7 @@ def test_one_kind_is_left(after: str, tmp_path: Path) -> None:
     assert contents(tmp_path) == dict.fromkeys(KINDS[after], "new") | dict.fromkeys(MINE, "old")
 
 
-def test_a_full_disk_leaves_the_other_kind_whole(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_full_disk_leaves_the_other_kind_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     fill(tmp_path, KINDS["verify"])
     move = os.replace
 
