@@ -13,8 +13,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from asterism.homogenize.law.law_file import law_bytes
 from asterism.results.files import SUMMARY_FILE
 from tests.asterism.commands import SIGN_OF_LIFE, Cli
+from tests.asterism.previews.laws import plain_law
 
 SMALL = """
 [stars]
@@ -261,3 +263,68 @@ def test_a_search_beyond_its_budget_ends_with_its_state_and_status_1(
     summary = json.loads((folder / "d" / "summary.json").read_text())
     assert summary["iterations"] == 12 and summary["gradient_norm"] > 0
     assert not summary["converged"] and not summary["is_minimum"]
+
+
+@pytest.mark.slow
+def test_verify_writes_a_report_and_a_table(here: Path, cli: Cli) -> None:
+    (here / "d.toml").write_text(SMALL.replace("10.0", "8.0").replace("rings = 0", "rings = 1").replace("4.0", "3.5"))
+    (here / "law.npz").write_bytes(law_bytes(plain_law()))
+    (here / "d-verified").mkdir()
+    for earlier in ("summary.json", "shape.vtu", "rods.vtu", "shape.png"):
+        (here / "d-verified" / earlier).write_text('{"version": "of simulate"}')
+    result = cli(["verify", "d.toml", "--law", "law.npz"]).done
+    assert "% of the diameter rms" in result.out and "same form" in result.out
+    # what is seen while waiting
+    said = ("preview done in", "released from the flat print", "started from the preview", "comparing", "report")
+    assert [result.err.index(text) for text in said] == sorted(result.err.index(text) for text in said)
+    assert sorted(file.name for file in (here / "d-verified").iterdir()) == [
+        "exact.obj", "exact.vtu", "preview.obj", "preview.vtu", "report.html", "summary.json",
+    ]  # fmt: skip
+    summary = json.loads((here / "d-verified" / "summary.json").read_text())
+    assert summary["preview"]["model"] == "preview" and summary["exact"]["is_minimum"]
+    assert 0.0 < summary["rms_percent"] < 30.0
+    expected, height = (summary[f"expected_{what}_percent"] for what in ("rms", "height"))
+    line = next(line for line in result.out.splitlines() if line.startswith("  estimated error      "))
+    assert f" {expected:.1f} % of the diameter of " in line and line.endswith(f" ({height:.0f} %)")
+
+
+# it passes through itself
+ROLLED = SMALL.replace("0.4", "0.2").replace("rings = 0", "rings = 2").replace("4.0", "4.3")
+ROLLED += '[fabric]\nbending = "paper"\n'
+
+
+@pytest.fixture
+def rolled(here: Path, blank_pictures: None) -> Path:
+    (here / "d.toml").write_text(ROLLED)
+    return here
+
+
+@pytest.mark.slow
+def test_a_sheet_that_passes_through_itself_is_told(rolled: Path, cli: Cli) -> None:
+    result = cli(["simulate", "d.toml", "--starts", "1"]).done
+    assert "passes through itself" in result.err and "--contact" in result.err
+    summary = json.loads((rolled / "d" / "summary.json").read_text())
+    assert summary["self_intersections"] > 0 and summary["self_contact"] is None
+
+
+@pytest.mark.slow
+def test_contact_keeps_it_apart(rolled: Path, cli: Cli) -> None:
+    pytest.importorskip("ipctk")
+    result = cli(["simulate", "d.toml", "--contact"]).done
+    assert "passes through itself" not in result.err
+    summary = json.loads((rolled / "d" / "summary.json").read_text())
+    assert summary["self_intersections"] == 0 and summary["is_minimum"] and summary["design"]["solver"]["contact"]
+    contact = summary["self_contact"]
+    assert contact["closest_possible_mm"] < contact["least_distance_mm"] < contact["begins_at_mm"]
+    assert contact["pairs"] > 0 and summary["energy_parts_n_mm"]["contact"] > 0.0
+
+
+def test_without_the_package_a_design_with_contact_is_one_line(rolled: Path, monkeypatch, cli: Cli) -> None:
+    monkeypatch.setitem(sys.modules, "ipctk", None)
+    (rolled / "d.toml").write_text(ROLLED + "[solver]\ncontact = true\n")
+    needed = "asterism: d.toml: solver.contact: needs the package ipctk: pip install ipctk"
+    assert cli(["simulate", "d.toml"]).refusal == needed
+    assert [file.name for file in rolled.iterdir()] == ["d.toml"]
+    # the option overrides the design
+    (rolled / "d.toml").write_text(ROLLED.replace("rings = 2", "rings = 0") + "[solver]\ncontact = true\n")
+    assert cli(["simulate", "d.toml", "--no-contact"]).done

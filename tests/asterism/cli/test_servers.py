@@ -97,7 +97,6 @@ def test_it_serves_its_page_and_keeps_unsaved_work_at_its_end(name: str, folder:
     if not hasattr(signal, name):
         pytest.skip("there is no such signal")
     with started("studio", "dome.toml", "--no-browser") as process:
-        assert process.stdout is not None
         line = process.stdout.readline()
         found = re.search(r"http://127\.0\.0\.1:\d+/[\w-]{20,}/", line)
         assert found, line
@@ -130,7 +129,6 @@ def test_it_serves_its_page_and_keeps_unsaved_work_at_its_end(name: str, folder:
 @pytest.mark.usefixtures("here")
 def test_hops_serves_and_ends_at_ctrl_c():
     with started("hops", "--port", "0") as process:
-        assert process.stdout is not None
         lines = [process.stdout.readline() for _ in range(7)]
         found = re.match(r"http://127\.0\.0\.1:\d+/sites", lines[0])
         assert found and lines[-1] == "Ctrl-C ends it\n"

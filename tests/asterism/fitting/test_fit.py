@@ -58,7 +58,6 @@ def test_a_fresh_preview_confirms_the_distance(fitted: Fit, target: TargetSurfac
 @pytest.mark.slow
 def test_sizes_are_printable(fitted: Fit) -> None:
     rounding = fitted.design.stars.rounding
-    assert rounding is not None
     plan = layout(fitted.design)
     layers = rounding.layers(plan.arm_thickness)
     assert np.abs(layers - np.rint(layers)).max() < 1e-6

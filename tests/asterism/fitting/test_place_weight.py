@@ -58,7 +58,6 @@ def test_a_formula_is_in_the_coordinates_of_the_file(target: TargetSurface) -> N
     vertices = 0.5 * target.disk.vertices @ turned.T + np.array([300.0, 0.0, 40.0])
     placed = TargetSurface.of_triangles(vertices, target.disk.triangles, size_mm=target.diameter_mm, side="other")
     weight = placed.weighted("1 + (x > 300) + 0*z").weight
-    assert weight is not None
     right = vertices[:, 0] > 300.0 + 1e-6
     assert set(weight[right]) == {2.0} and 1.0 in set(weight[~right])
 
@@ -127,7 +126,6 @@ def test_the_distance_by_weights_is_that_of_the_heavy_part_in_the_limit() -> Non
 
 def test_the_design_keeps_the_weights_of_its_sites(target: TargetSurface, guess: FirstGuess) -> None:
     plan, design = layout(guess.design), guess_design(target.weighted(RIGHT), paper_law()).design
-    assert design.fit is not None
     places = guess.target_map.places(plan.lattice.place(np.array([entry.site for entry in design.fit.weights])))
     in_file = np.linalg.solve(target.motion, (places - target.shift_mm).T).T
     assert len(places) > 4 and in_file[:, 0].min() > 2.0

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import rhino3dm
 import trimesh
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -211,7 +212,7 @@ def test_a_fine_picture_is_averaged_and_transparent_parts_are_left_out(tmp_path:
     assert height_at(target, 0.0, 0.0) == pytest.approx(RISE / 1.1, abs=0.05)
 
 
-def nurbs_vault(rhino3dm: Any) -> Any:
+def nurbs_vault() -> Any:
     """A surface over a square of 10 units, with its highest point in the middle."""
     surface = rhino3dm.NurbsSurface.Create(3, False, 3, 3, 5, 5)
     for i in range(5):
@@ -224,7 +225,6 @@ def nurbs_vault(rhino3dm: Any) -> Any:
 
 
 def rhino_file(path: Path, unit: str = "Centimeters", **things: Any) -> Path:
-    rhino3dm = pytest.importorskip("rhino3dm")
     file = rhino3dm.File3dm()
     file.Settings.ModelUnitSystem = getattr(rhino3dm.UnitSystem, unit)
     for kind, thing in things.items():
@@ -235,8 +235,7 @@ def rhino_file(path: Path, unit: str = "Centimeters", **things: Any) -> Path:
 
 @pytest.mark.parametrize("kind", ["Surface", "Brep"])
 def test_a_nurbs_surface_is_sampled_in_the_unit_of_its_file(kind: str, tmp_path: Path) -> None:
-    rhino3dm = pytest.importorskip("rhino3dm")
-    surface = nurbs_vault(rhino3dm)
+    surface = nurbs_vault()
     thing = surface if kind == "Surface" else rhino3dm.Brep.CreateFromSurface(surface)
     path = rhino_file(tmp_path / "vault.3dm", **{kind: thing})
     target = load_target(path)
@@ -249,7 +248,6 @@ def test_a_nurbs_surface_is_sampled_in_the_unit_of_its_file(kind: str, tmp_path:
 
 
 def test_a_mesh_of_rhino_is_taken_as_it_is(tmp_path: Path) -> None:
-    rhino3dm = pytest.importorskip("rhino3dm")
     mesh = rhino3dm.Mesh()
     vertices, triangles = dome(points=31)
     for place in vertices.tolist():
@@ -261,9 +259,8 @@ def test_a_mesh_of_rhino_is_taken_as_it_is(tmp_path: Path) -> None:
 
 
 def test_files_of_rhino_without_a_surface_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    rhino3dm = pytest.importorskip("rhino3dm")
     start, end = rhino3dm.Point3d(0, 0, 0), rhino3dm.Point3d(9, 9, 9)
-    box, vault = rhino3dm.Box(rhino3dm.BoundingBox(0, 0, 0, 9, 9, 9)), nurbs_vault(rhino3dm)
+    box, vault = rhino3dm.Box(rhino3dm.BoundingBox(0, 0, 0, 9, 9, 9)), nurbs_vault()
     wrong = {
         "empty.3dm": (rhino_file(tmp_path / "empty.3dm"), "holds no visible surface or mesh, nothing"),
         "line.3dm": (

@@ -246,7 +246,6 @@ def test_where_the_preview_knows_no_law_the_print_is_exported_all_the_same(
 def test_the_exact_shape_of_a_print_has_both_starts_and_lists_both_minima(tmp_path: Path) -> None:
     small = design(fabric={}, stars={"length_mm": 8.0}, border={"rings": 0}, pins=[], mesh={"edge_mm": 6.0})
     shape, change = printed_shape(job(small, simulate=True))
-    assert shape is not None and change is not None
     (minimum,) = change.minima
     assert minimum.start_names == ["release", "preview"] and minimum.energy_n_mm == shape.summary["energy_n_mm"]
     two = change | {"minima": [minimum, minimum | {"distance_percent": 7.5, "start_names": ["preview"]}]}

@@ -46,6 +46,7 @@ def check_texts(page: Drawing) -> None:
 
 NARROW = {"length_mm": 8.0, "override": [{"at_mm": [0.0, 0.0], "length_mm": 6.0, "width_mm": 0.4}]}
 TAPERED = {"length_mm": 8.0, "width_mm": {"profile": "radial", "from": 0.4, "to": 2.4, "over_mm": 30.0}}
+KNIT = {"modulus_mpa": [9.0, 4.0], "grain_deg": 30.0}
 MAST = {"points_mm": [[0.0, 0.0]], "target_mm": [0.0, 0.0, 25.0]}
 ROW = {"points_mm": [[3.0 * k, 0.0] for k in range(-7, 8)], "target_mm": [[2.5 * k, 0, 10 + k] for k in range(-7, 8)]}
 
@@ -75,6 +76,7 @@ ROW = {"points_mm": [[3.0 * k, 0.0] for k in range(-7, 8)], "target_mm": [[2.5 *
             "in the design's order: first needle 1, then needles 2 to 7.",
         ),
         ({"pins": [ROW]}, {}, "heights over the base that are written beside their holes"),
+        ({"fabric": KNIT}, {}, "the arrow runs the direction of the fabric that has 9 MPa; across it, it has 4 MPa."),
     ],
 )
 def test_the_text_is_of_this_design_and_this_printer(
@@ -87,8 +89,7 @@ def test_the_text_is_of_this_design_and_this_printer(
 def test_what_does_not_apply_is_not_said() -> None:
     text = said(job())
     assert [word for word in ("in the design's order", "at these heights", "BEFORE", "grain") if word in text] == []
-    free = job(design(border={"rings": 0}, pins=[]))
-    assert sheets.needle_sheet(free) is None
+    assert sheets.needle_sheet(job(design(border={"rings": 0}, pins=[]))) is None
 
 
 def test_a_height_with_released_fabric_is_told_wherever_it_stands() -> None:
@@ -102,9 +103,9 @@ def test_a_height_with_released_fabric_is_told_wherever_it_stands() -> None:
         assert ("thinner when stretched" in said(one)) == told
 
 
-@pytest.mark.parametrize("name", ["small", "W" * 100])
-def test_texts_stay_on_their_pages(name: str) -> None:
-    one = job(design(name=name.strip()))
+@pytest.mark.parametrize("sections", [{}, {"name": "W" * 100}, {"fabric": KNIT}], ids=["small", "named", "knit"])
+def test_texts_stay_on_their_pages(sections: dict[str, Any]) -> None:
+    one = job(design(**sections))
     pages = instructions.as_pages(one, chapters(one))
     assert len(pages) == 2
     many = needle_sheet(job(needle_spacing_mm=4.0))
@@ -153,10 +154,3 @@ def test_needles_that_stand_on_the_cut_line_or_on_an_arm_are_told() -> None:
     assert "Leave a tab of fabric outside the line, 5 mm or more, at needle 3, on the line" in said(made)
     inside = job(design(pins=[{"points_mm": [[5.0, 14.44], [-5.0, 14.44]], "scale": 0.8}]))
     assert not needles_in_plastic(inside.plan, inside.needles) and not needles_near_edge(inside.plan, inside.needles)
-
-
-def test_fabric_with_a_grain_is_laid_along_the_arrow() -> None:
-    one = job(design(fabric={"modulus_mpa": [9.0, 4.0], "grain_deg": 30.0}))
-    assert "Along the arrow runs the direction of the fabric that has 9 MPa; across it, it has 4 MPa." in said(one)
-    for page in instructions.as_pages(one, chapters(one)):
-        check_texts(page)

@@ -32,13 +32,6 @@ def whole(content: str) -> dict[str, str]:
     return dict.fromkeys(NAMES, content)
 
 
-def test_files_replace_earlier_ones_and_leave_others(tmp_path: Path) -> None:
-    write(tmp_path, "old")
-    (tmp_path / "notes.txt").write_text("mine")
-    write(tmp_path, "new")
-    assert contents(tmp_path) == whole("new") | {"notes.txt": "mine"}
-
-
 def test_new_directories_have_ordinary_permissions(tmp_path: Path) -> None:
     write(tmp_path / "a" / "results", "new")
     assert contents(tmp_path / "a" / "results") == whole("new")

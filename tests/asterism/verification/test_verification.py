@@ -180,11 +180,6 @@ def said(depths: tuple[float, float] = (0.01, 0.01), preview: dict[str, Any] | N
     )
 
 
-def test_nothing_is_said_of_shapes_that_are_alike() -> None:
-    assert said(preview={"expected_rms_percent": 1.0}) == []
-    assert said(preview={"warnings": ["a star is beyond the law's range"]}) == ["a star is beyond the law's range"]
-
-
 @pytest.mark.parametrize(("times", "surprising"), [(1.9, False), (2.1, True)])
 def test_a_distance_far_above_the_expected_one_is_told_with_both_numbers(times: float, surprising: bool) -> None:
     distance = bowls(0.01, 0.0107).comparison.rms_percent
@@ -230,11 +225,6 @@ def test_heights_that_were_expected_to_differ_are_no_surprise(
 def test_stars_on_another_side_are_named_once(down: list[int], off: list[int], line: str) -> None:
     warnings = list(off_branch(ExactRecord.from_json({"stars_off_branch": off, "stars_total": 7})))
     assert said(stars_down=down, stars_off_branch=off, warnings=warnings) == [line]
-
-
-def test_an_exact_shape_that_is_no_minimum_has_no_other_warnings() -> None:
-    line = "not a minimum: smallest eigenvalue -1.0e-03 N/mm is not positive"
-    assert said((0.01, 0.0115), is_minimum=False, warnings=[line]) == [f"the exact model: {line}"]
 
 
 def with_other(apart: float, one: dict[str, Any], other: dict[str, Any]) -> list[str]:
