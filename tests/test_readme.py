@@ -20,10 +20,9 @@ import typer
 from PIL import Image
 
 import asterism
+from asterism import Design, load_design, save_design
 from asterism.cli.app import app
 from asterism.pattern import gallery
-from asterism.pattern.design.design import Design, save_design
-from asterism.pattern.layout.build import load_design
 from tests.pattern.drawing.rhino_drawing import Drawing
 from tests.test_rooms import FILES
 

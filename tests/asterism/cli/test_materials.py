@@ -8,10 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from asterism import load_design, preview
 from asterism.homogenize.law.law_file import law_bytes
 from asterism.pattern.design import files as user_files
-from asterism.pattern.layout.build import load_design
-from asterism.previews.session import preview
 from tests.asterism.commands import Cli
 from tests.asterism.previews.laws import plain_law
 

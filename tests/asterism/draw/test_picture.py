@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from asterism import Shape, write_results
 from asterism.draw import fonts
 from asterism.draw.picture import (
     FIRST_RARE_LETTER,
@@ -26,9 +27,7 @@ from asterism.draw.picture import (
 )
 from asterism.draw.render import View, camera, render, scene
 from asterism.draw.shading import FABRIC_SIDE, OUTLINE_COLOUR, PLASTIC_SIDE
-from asterism.reports.write_results import write_results
 from asterism.shape.release_picture import FRAMES, released
-from asterism.shape.shape import Shape
 from tests.asterism.commands import Cli
 from tests.asterism.sheets import dome, flat, sheet, tube
 

@@ -12,11 +12,10 @@ from PIL import Image
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+from asterism import Design, Shape
 from asterism.draw.render import BALL_RADIUS_FACTOR, TUBE_RADIUS_FACTOR, pin_marks, rasterise
 from asterism.draw.shading import PINS
-from asterism.pattern.design.design import Design
 from asterism.pattern.geometry.diameter import diameter
-from asterism.shape.shape import Shape
 from tests.asterism.sheets import dome, grid, sheet
 
 

@@ -16,9 +16,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 from PIL import Image
 
+from asterism import Error, load_target
 from asterism.equilibrium.arrays import Floats
-from asterism.equilibrium.errors import Error
-from asterism.fitting.target import load_target
 from tests.asterism.commands import Cli
 from tests.asterism.fitting.surfaces import (
     Mesh,

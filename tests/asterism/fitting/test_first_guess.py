@@ -7,14 +7,13 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from asterism import FitSettings, TargetSurface
 from asterism.equilibrium.arrays import Floats
 from asterism.fitting.disk import disk_of
 from asterism.fitting.errors import ReachError, TargetError
 from asterism.fitting.first_guess import FirstGuess, flatten_target, guess_design
 from asterism.fitting.flatten import FlatDisk, Flattener, TargetMap, least_ratio_border
 from asterism.fitting.reach import StarMenu
-from asterism.fitting.settings import FitSettings
-from asterism.fitting.target import TargetSurface
 from asterism.homogenize.errors import ForeignLaw, LawError
 from asterism.pattern.layout.build import layout
 from asterism.previews.law_choice import paper_law

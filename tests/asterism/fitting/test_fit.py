@@ -13,16 +13,13 @@ import numpy as np
 import pytest
 import trimesh
 
+from asterism import Fit, FitSettings, Preview, TargetSurface, fit, load_design
 from asterism.fitting.first_guess import guess_design
-from asterism.fitting.fit import Fit
 from asterism.fitting.residual import FitPlaces, Residual
-from asterism.fitting.run import fit
 from asterism.fitting.search import StarUnknowns, moves_at
-from asterism.fitting.settings import FitSettings, SettingError
-from asterism.fitting.target import TargetSurface
-from asterism.pattern.layout.build import layout, load_design
+from asterism.fitting.settings import SettingError
+from asterism.pattern.layout.build import layout
 from asterism.previews.law_choice import paper_law
-from asterism.previews.session import Preview
 from asterism.previews.star_sensitivity import star_sensitivity
 from asterism.print.printer import load_printer
 from tests.asterism.commands import Cli

@@ -9,19 +9,15 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from asterism import Design, FitSettings, Preview, TargetSurface, fit
 from asterism.equilibrium.arrays import Floats
 from asterism.fitting.errors import TargetError
 from asterism.fitting.first_guess import FirstGuess, guess_design
 from asterism.fitting.residual import FitDistance, FitPlaces, Residual, SheetState
-from asterism.fitting.run import fit
 from asterism.fitting.search import moves_at
-from asterism.fitting.settings import FitSettings
-from asterism.fitting.target import TargetSurface
-from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.layout.build import layout
 from asterism.previews.law_choice import paper_law
-from asterism.previews.session import Preview
 from asterism.previews.star_sensitivity import star_sensitivity
 from tests.asterism.sheets import sheet
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 import asterism
+from asterism import Design, sensitivity, solve_for, solve_for_point
 from asterism.fitting.errors import ReachError
-from asterism.fitting.solve_for import POINT_TOLERANCE_MM, sensitivity, solve_for, solve_for_point
-from asterism.pattern.design.design import Design
+from asterism.fitting.solve_for import POINT_TOLERANCE_MM
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.painted_stars import SIZE_KEYS, with_painted_stars
 

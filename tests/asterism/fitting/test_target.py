@@ -17,11 +17,11 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 from PIL import Image
 
+from asterism import Error, TargetSurface, load_target
 from asterism.equilibrium.arrays import Floats
-from asterism.equilibrium.errors import Error
 from asterism.fitting.disk import disk_of, height_mesh
 from asterism.fitting.errors import TargetError
-from asterism.fitting.target import MAX_TARGET_TRIANGLES, TargetSurface, load_target
+from asterism.fitting.target import MAX_TARGET_TRIANGLES
 from tests.asterism.fitting.surfaces import Mesh, bow_tie, dome, spherical_cap
 
 BROKEN: list[tuple[Callable[[], Mesh], str]] = [
@@ -51,10 +51,7 @@ def test_what_is_no_disk_is_refused_in_one_line(mesh: Callable[[], Mesh], proble
     assert "\n" not in str(caught.value)
 
 
-@given(
-    arrays(float, st.tuples(st.integers(3, 8), st.just(3)), elements=st.floats(-50.0, 50.0, width=16)),
-    st.data(),
-)
+@given(arrays(float, st.tuples(st.integers(3, 8), st.just(3)), elements=st.floats(-50.0, 50.0, width=16)), st.data())
 @settings(max_examples=40)
 def test_random_triangles_give_a_target_or_one_line(vertices: Floats, data: st.DataObject) -> None:
     corner = st.integers(0, len(vertices) - 1)

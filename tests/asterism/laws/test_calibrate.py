@@ -17,14 +17,13 @@ import pytest
 from matplotlib.figure import Figure
 from PIL import Image
 
+from asterism import Design, Preview, load_law
 from asterism.homogenize.campaign.workers import CampaignProgress
 from asterism.homogenize.errors import LawError
-from asterism.homogenize.law.law_file import law_bytes, law_digest, load_law
+from asterism.homogenize.law.law_file import law_bytes, law_digest
 from asterism.homogenize.law.plan import CellTask, SampleRecord
 from asterism.homogenize.law.star_law import StarLaw
 from asterism.laws.show_law import directions_warning
-from asterism.pattern.design.design import Design
-from asterism.previews.session import Preview
 from asterism.process.progress_line import CountLine
 from tests.asterism.commands import Cli
 from tests.asterism.previews.laws import plain_law

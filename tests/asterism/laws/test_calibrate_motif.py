@@ -9,12 +9,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from asterism import load_design, load_law
 from asterism.homogenize.errors import LawError
-from asterism.homogenize.law.law_file import law_bytes, load_law
+from asterism.homogenize.law.law_file import law_bytes
 from asterism.homogenize.law.motif_law import MotifLaw
 from asterism.laws import calibrate as module
 from asterism.laws.design_law import law_from_file
-from asterism.pattern.layout.build import layout, load_design
+from asterism.pattern.layout.build import layout
 from asterism.previews.law_choice import serving_law
 from tests.asterism.commands import Cli
 from tests.homogenize import same_process

@@ -5,13 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from asterism.pattern.design.design import Design
+from asterism import Design, ExportSettings, Shape
 from asterism.print import sheets
 from asterism.print.drawing import Drawing, Label
 from asterism.print.job import Job, prepare
 from asterism.print.printer import load_plastic, load_printer
-from asterism.print.settings import ExportSettings
-from asterism.shape.shape import Shape
 from tests.asterism.commands import Outcome
 
 SMALL: dict[str, Any] = {

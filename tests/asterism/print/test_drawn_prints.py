@@ -10,17 +10,16 @@ import pytest
 import shapely
 import trimesh
 
+from asterism import Design, ExportSettings, export, load_design
 from asterism.pattern import gallery
-from asterism.pattern.design.design import Design
 from asterism.pattern.drawing.read import read_drawing
-from asterism.pattern.layout.build import layout, load_design
+from asterism.pattern.layout.build import layout
 from asterism.pattern.rods.graph import RodGraph
-from asterism.print.export import PrintExport, export
+from asterism.print.export import PrintExport
 from asterism.print.formats.dxf import write_dxf
 from asterism.print.job import Job
 from asterism.print.needles import needles_near_edge
 from asterism.print.rounded import tiny_pieces
-from asterism.print.settings import ExportSettings
 from asterism.print.sheets import middle_lines
 from tests.asterism.commands import Cli
 from tests.asterism.print.jobs import LEAF, job

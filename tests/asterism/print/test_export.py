@@ -11,10 +11,10 @@ from typing import Any
 import pytest
 
 import asterism
+from asterism import export, load_design, save_design
 from asterism.homogenize.law.law_file import PAPER_LAW
-from asterism.pattern.design.design import save_design
-from asterism.pattern.layout.build import layout, load_design
-from asterism.print.export import export, plastic_warning, printed_shape, shape_change
+from asterism.pattern.layout.build import layout
+from asterism.print.export import plastic_warning, printed_shape, shape_change
 from asterism.print.printer import load_plastic
 from tests.asterism.print.jobs import ALWAYS, PINNED, SHAPE, Run, design, job
 

@@ -18,8 +18,8 @@ import shapely
 import trimesh
 
 import asterism
+from asterism import Design, Shape
 from asterism.pattern import gallery
-from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.geometry.planar import polygon_area
 from asterism.pattern.layout.build import layout
@@ -31,7 +31,6 @@ from asterism.print.formats.stl import write_stl
 from asterism.print.formats.threemf import write_3mf
 from asterism.print.job import Job
 from asterism.print.solid import Piece
-from asterism.shape.shape import Shape
 from asterism.shape.vtu import write_shape_vtu
 from tests.asterism.print.jobs import LEAF, design, job
 from tests.asterism.sheets import sheet

@@ -11,20 +11,18 @@ import numpy as np
 import pytest
 import shapely
 
+from asterism import Design, ExportSettings, export, save_design
 from asterism.pattern import gallery
-from asterism.pattern.design.design import Design, save_design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.rounding import Rounding
 from asterism.pattern.layout.build import layout
 from asterism.print import printer as profiles
 from asterism.print.bed_placement import frame_warning, size_warning
-from asterism.print.export import export
 from asterism.print.formats.needle_table import write_needle_table
 from asterism.print.job import Job, print_cost
 from asterism.print.needles import needles
 from asterism.print.printer import adjusted_printer, load_printer
 from asterism.print.rounded import better_layers, choose_rounding, size_changes
-from asterism.print.settings import ExportSettings
 from asterism.print.solid import height_steps
 from tests.asterism.print.jobs import Run, design, job
 from tests.asterism.sheets import sheet

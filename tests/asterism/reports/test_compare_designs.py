@@ -13,8 +13,8 @@ import pytest
 from PIL import Image
 
 import asterism
-from asterism.pattern.design.design import Design, save_design
-from asterism.reports.compare_designs import DesignsComparison, compare_designs
+from asterism import Design, compare_designs, save_design
+from asterism.reports.compare_designs import DesignsComparison
 from tests.asterism.commands import Cli
 
 

@@ -12,10 +12,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from asterism.fitting.fit import Fit
-from asterism.fitting.run import fit
-from asterism.fitting.settings import FitSettings
-from asterism.fitting.target import TargetSurface
+from asterism import Fit, FitSettings, TargetSurface, fit
 from asterism.reports.fit_page import fit_page, remainder, star_contractions
 from asterism.results.records.fit import TargetDistanceRecord
 from tests.asterism.fitting.surfaces import spherical_cap

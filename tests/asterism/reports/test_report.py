@@ -11,17 +11,14 @@ import pypdfium2
 import pytest
 from PIL import Image
 
+from asterism import Design, load_design, load_law, preview, report, write_results
 from asterism.draw.shading import FABRIC_SIDE, PINS, PLASTIC_SIDE
 from asterism.exact.simulation import exact_shape
-from asterism.homogenize.law.law_file import PAPER_LAW, load_law
-from asterism.pattern.design.design import Design
-from asterism.pattern.layout.build import load_design
-from asterism.previews.session import preview
+from asterism.homogenize.law.law_file import PAPER_LAW
 from asterism.print.job import prepare
 from asterism.print.printer import load_plastic, load_printer
-from asterism.reports.design_report import LAYOUT_AT, LAYOUT_MM, design_facts, report
+from asterism.reports.design_report import LAYOUT_AT, LAYOUT_MM, design_facts
 from asterism.reports.html import png
-from asterism.reports.write_results import write_results
 from tests.asterism.commands import Cli
 
 DESIGN = """

@@ -13,15 +13,12 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from asterism import Design, Verification, preview, read_shape, verify, write_verification
 from asterism.exact.simulation import exact_shape
-from asterism.pattern.design.design import Design
-from asterism.previews.session import preview
 from asterism.process.version import __version__
-from asterism.reports.verification_page import verification_page, write_verification
-from asterism.shape.vtu import read_shape, write_shape_vtu
+from asterism.reports.verification_page import verification_page
+from asterism.shape.vtu import write_shape_vtu
 from asterism.verification import run
-from asterism.verification.run import verify
-from asterism.verification.verification import Verification
 from tests.asterism.previews.laws import plain_law
 from tests.asterism.verification.printed import design
 

@@ -61,12 +61,7 @@ def test_a_real_failing_write(tmp_path: Path) -> None:
         "    with staged('old') as folder: (folder / 'shape.vtu').write_bytes(bytes(100_000))\n"
         "except OutputError as error: print(error)\n"
     )
-    run = subprocess.run(
-        [sys.executable, "-c", program],
-        cwd=tmp_path,
-        capture_output=True,
-        text=True,
-    )
+    run = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True)
     assert run.stdout.strip() == "cannot write old: the file would be larger than allowed", run.stderr
     assert contents(tmp_path) == {f"old/{name}": "old" for name in NAMES}
 

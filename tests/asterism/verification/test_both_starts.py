@@ -8,12 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 
+from asterism import Design, Shape, simulate, verify
 from asterism.exact.simulation import exact_shape
-from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
-from asterism.shape.shape import Shape
-from asterism.verification.both_starts import lower_minimum, simulate
-from asterism.verification.run import verify
+from asterism.verification.both_starts import lower_minimum
 from tests.asterism.previews.designs import edited
 
 SMALL = Design.from_dict(

@@ -10,23 +10,22 @@ from typing import Any
 import numpy as np
 import pytest
 
+from asterism import Verification, preview, verify
 from asterism.equilibrium.arrays import Floats
 from asterism.equilibrium.newton.minimise import Iteration
 from asterism.exact.simulation import off_branch
 from asterism.pattern.geometry.planar import inside
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.symmetries import symmetries
-from asterism.previews.session import preview
 from asterism.reports.plots import profile_cut
 from asterism.results.records.exact import ExactRecord
 from asterism.shape.comparison import compare_shapes
-from asterism.verification.run import STAGES, WHOLE, ExactProgress, verify
+from asterism.verification.run import STAGES, WHOLE, ExactProgress
 from asterism.verification.verification import (
     MAX_FORM_DISTANCE_PERCENT,
     MAX_LIKE_AXIS_DEG,
     MAX_LIKE_DISTANCE_PERCENT,
     MAX_LIKE_NORMALS_DEG,
-    Verification,
     _same_stars_down,
     alike,
     right_shape,
@@ -175,8 +174,7 @@ def said(depths: tuple[float, float] = (0.01, 0.01), preview: dict[str, Any] | N
     found = bowls(*depths)
     one = replace(found.exact["release"], summary=EXACT | exact)
     return verification_warnings(
-        replace(found, preview=replace(found.preview, summary=preview or {}), exact={"release": one}),
-        0.0,
+        replace(found, preview=replace(found.preview, summary=preview or {}), exact={"release": one}), 0.0
     )
 
 
@@ -239,8 +237,7 @@ def with_other(apart: float, one: dict[str, Any], other: dict[str, Any]) -> list
 
 
 @pytest.mark.parametrize(
-    ("energy", "apart", "told"),
-    [(1.0001, 3.0, True), (0.9999, 3.0, True), (1.006, 3.0, False), (1.0001, 2.4, False)],
+    ("energy", "apart", "told"), [(1.0001, 3.0, True), (0.9999, 3.0, True), (1.006, 3.0, False), (1.0001, 2.4, False)]
 )
 def test_two_minima_of_nearly_one_energy_are_told(energy: float, apart: float, told: bool) -> None:
     line = (

@@ -9,6 +9,7 @@ import pytest
 import trimesh
 from scipy.spatial import Delaunay
 
+from asterism import Shape, preview
 from asterism.equilibrium.arrays import Floats
 from asterism.measure.compare.compare import compare_scan, fitted_size
 from asterism.measure.compare.nearest import NearestOnSurface
@@ -17,8 +18,6 @@ from asterism.measure.compare.scan import Scan
 from asterism.pattern import gallery
 from asterism.pattern.geometry.diameter import diameter
 from asterism.pattern.geometry.normals import vertex_normals
-from asterism.previews.session import preview
-from asterism.shape.shape import Shape
 from tests.asterism.measure.compare.scans import bent_sheet, motion, scanned
 from tests.asterism.sheets import dome, saddle, sheet
 

@@ -11,13 +11,10 @@ from typing import Any
 import pytest
 from PIL import Image
 
-from asterism.homogenize.law.material import load_material
+from asterism import Design, StripFitSettings, fit_strips, load_material, write_material
 from asterism.laws.replace_material import with_material
 from asterism.measure.strips import arc
-from asterism.measure.strips.fit_strips import fit_strips, write_material
-from asterism.measure.strips.settings import StripFitSettings
 from asterism.measure.strips.strip_table import Reading
-from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.spread import Spread
 from tests.asterism.commands import Cli

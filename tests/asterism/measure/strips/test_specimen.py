@@ -15,8 +15,9 @@ import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 
-from asterism.measure.strips.new_strips import BED_MARGIN_MM, STRIP_GAP_MM, lay_out_strips, layer_heights, new_strips
-from asterism.measure.strips.settings import THICKNESSES_MM, StripFitSettings, StripPrintSettings
+from asterism import StripFitSettings, StripPrintSettings, new_strips
+from asterism.measure.strips.new_strips import BED_MARGIN_MM, STRIP_GAP_MM, lay_out_strips, layer_heights
+from asterism.measure.strips.settings import THICKNESSES_MM
 from asterism.measure.strips.strip_table import read_strips
 from asterism.pattern.design.errors import DesignError
 from asterism.print.printer import load_printer
