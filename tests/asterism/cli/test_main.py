@@ -30,15 +30,6 @@ edge_mm = 4.0
 """
 
 
-# others that commands refuse
-REFUSED = {
-    "fall.toml": SMALL + "[gravity]\non = true\n[fabric]\nmodulus_mpa = 7.0\n",
-    "hinges.toml": SMALL + '[fabric]\nbending = "paper"\n',
-    "large.toml": SMALL.replace("rings = 0", "rings = 8").replace("4.0", "0.5"),
-    "not.npz": "a law?",
-}
-
-
 @pytest.fixture
 def folder(here: Path) -> Path:
     """Where the commands run, with a small design."""
@@ -56,9 +47,7 @@ def test_new_lists_and_writes(here: Path, cli: Cli) -> None:
         assert cli(["new", "tube", *words]).done
     assert (here / "missing" / "folder" / "tube.toml").read_bytes() == (here / "tube.toml").read_bytes()
     (here / "tube.toml").write_text("mine")
-    wrong = ((["tube"], "exists"), (["spaceship", "-o", "x.toml"], "gallery"), (["tube", "-o", "x.png"], ".toml"))
-    for words, expected in wrong:
-        assert expected in cli(["new", *words]).refusal
+    assert "exists" in cli(["new", "tube"]).refusal
     assert (here / "tube.toml").read_text() == "mine"
 
 
@@ -83,39 +72,6 @@ def test_stars_that_do_not_stay_where_they_were_sent_are_named(tmp_path: Path, c
     (tmp_path / "f.toml").write_text("[fabric]\nstretch = 1.0\n" + SMALL)
     done = cli(["simulate", str(tmp_path / "f.toml")])
     assert done.status == 0 and "asks for" not in done.err
-
-
-@pytest.mark.parametrize(
-    ("words", "expected"),
-    [
-        (["simulate"], "design"),
-        (["simulate", "none.toml"], "none.toml"),
-        (["simulate", 300 * "x" + ".toml"], "too long"),
-        (["simulate", "d.toml", "--edge", "nan"], "--edge"),
-        (["simulate", "d.toml", "--edge", "two"], "--edge"),
-        (["simulate", "d.toml", "--starts", "0"], "--starts"),
-        (["simulate", "d.toml", "-o", "d.toml"], "d.toml"),
-        (["simulate", "d.toml", "--colour", "red"], "--colour"),
-        (["simulat", "d.toml"], "simulat"),
-        (["strips"], "strips: needs a command: new, fit, weigh or overhang"),
-        (["verify", "d.toml", "--law", "not.npz"], "not.npz"),
-        (["verify", "d.toml", "--backend", "none"], "backend: 'none'"),
-        (["verify", "d.toml", "--tolerance", "1", "--edge", "3"], "--tolerance: goes without --edge"),
-        (["verify", "hinges.toml", "--tolerance", "1"], "--tolerance: not for fabric.bending = 'paper'"),
-        (["verify", "d.toml", "--tolerance", "0"], "--tolerance = 0.0"),
-        *(
-            ([name, "fall.toml"], "fall.toml: gravity.on = True: needs [[pins]]")
-            for name in ("preview", "simulate", "report")
-        ),
-        (["simulate", "large.toml"], "use --yes to compute it, or a larger mesh.edge_mm"),
-        (["export", "large.toml", "--simulate"], "takes about 2829"),
-    ],
-)
-def test_mistakes_are_one_line_and_leave_nothing(words: list[str], expected: str, folder: Path, cli: Cli) -> None:
-    for name, text in REFUSED.items():
-        (folder / name).write_text(text)
-    assert expected in cli(words).refusal
-    assert {file.name for file in folder.iterdir()} == {"d.toml", *REFUSED}
 
 
 @pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="there are no named pipes")
@@ -200,14 +156,6 @@ def test_what_cannot_be_printed_is_said_in_one_line(tmp_path: Path) -> None:
         assert ended.stderr.splitlines()[-1] == "asterism: cannot print: no space left on device"
         assert "Traceback" not in ended.stderr and "Exception" not in ended.stderr
     assert json.loads((tmp_path / "out" / "summary.json").read_text())["is_minimum"]  # and results stay
-
-
-def test_an_empty_output_is_not_the_working_directory(folder: Path, cli: Cli) -> None:
-    with_design = ("simulate", "preview", "verify", "export", "report", "calibrate")
-    for words in [*([word, "d.toml"] for word in with_design), ["new", "dome"], ["law", "show"], ["strips", "new"]]:
-        refusal = cli([*words, "-o", ""]).refusal
-        assert "--output" in refusal and "must not be empty" in refusal
-    assert [file.name for file in folder.iterdir()] == ["d.toml"]
 
 
 VARY = ["--vary", "stars.thickness_mm=0.3,0.4"]

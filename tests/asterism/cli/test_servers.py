@@ -31,25 +31,6 @@ def folder(here: Path) -> Path:
     return here
 
 
-@pytest.mark.parametrize(
-    ("words", "named"),
-    [
-        (["studio", "nothing.toml"], "nothing.toml"),
-        (["studio", "bad.toml"], "stars.length_mm"),
-        (["studio", "dome.txt"], ".toml"),
-        (["studio", "dome.toml", "--listen", "0.0.0.0"], "0.0.0.0"),
-        (["studio", "dome.toml", "--listen", "192.0.2.1"], "192.0.2.1"),
-        (["studio", "dome.toml", "--port", "70000"], "--port"),
-        (["hops", "--folder", "nothing"], "nothing"),
-        (["hops", "--port", "70000"], "--port"),
-        (["hops", "--patience", "0"], "--patience"),
-    ],
-)
-def test_mistakes_are_one_line(folder: Path, words: list[str], named: str, cli: Cli):
-    (folder / "bad.toml").write_text("[stars]\nlength_mm = -1\n[border]\nrings = 1\n", encoding="utf-8")
-    assert named in cli([*words, "--no-browser"] if words[0] == "studio" else words).refusal
-
-
 def test_a_port_in_use_is_one_line(folder: Path, cli: Cli):
     with socket.socket() as other:
         other.bind(("127.0.0.1", 0))

@@ -69,25 +69,6 @@ def test_the_design_is_not_written_over(file: Path, tmp_path: Path, run: Run) ->
     assert "is where link.json is and stays" in run("preview", "link.json", "-o", ".").refusal
 
 
-@pytest.mark.parametrize(
-    ("options", "line"),
-    [
-        (["--printer", "mine.toml"], "mine.toml: cannot be read"),
-        (["--layer", "1.9"], "--layer = 1.9: must be at most the nozzle's 0.4 mm"),
-        (["--first-layer", "0.5"], "--first-layer = 0.5: must be at most the nozzle's 0.4 mm"),
-        (["--plate", "-1"], "--plate = -1.0: must be at least 0"),
-        (["--fabric", "nan"], "--fabric = nan: must be from 0.01 to 50"),
-        (["--shape", "nowhere"], "nowhere: is not there"),
-        (["--shape", "x", "--simulate"], "--shape: must be the only one"),
-    ],
-)
-def test_a_mistake_is_one_line_and_leaves_nothing(
-    options: list[str], line: str, file: Path, tmp_path: Path, run: Run
-) -> None:
-    assert line in run("export", "d.toml", "-o", "out", *options).refusal
-    assert [path.name for path in tmp_path.iterdir()] == ["d.toml"]
-
-
 @pytest.mark.slow
 def test_files_of_an_earlier_export_go_and_those_of_somebody_else_stay(file: Path, tmp_path: Path, run: Run) -> None:
     """A folder without an export holds somebody's own; one with an export loses what the new one does not write."""

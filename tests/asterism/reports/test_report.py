@@ -174,20 +174,6 @@ def test_without_a_law_there_is_no_picture(design: Path, cli: Cli) -> None:
     assert "by the preview" in cli(["report", str(design), "--law", str(PAPER_LAW)]).done.out
 
 
-@pytest.mark.parametrize(
-    ("words", "problem"),
-    [
-        (["-o", "r.png"], "must end with .pdf"),
-        (["--printer", "none"], "--printer"),
-        (["--material", "none.toml"], "none.toml"),
-        (["--results", "nowhere"], "nowhere"),
-    ],
-)
-def test_mistakes(words: list[str], problem: str, design: Path, cli: Cli) -> None:
-    assert problem in cli(["report", str(design), *words]).refusal
-    assert [file.name for file in design.parent.iterdir()] == ["d.toml"]
-
-
 @pytest.mark.slow
 @pytest.mark.usefixtures("blank_pictures")
 def test_a_law_that_is_given_makes_the_preview(design: Path, tmp_path: Path, cli: Cli) -> None:

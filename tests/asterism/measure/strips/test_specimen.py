@@ -164,17 +164,3 @@ def test_a_table_with_measurements_is_kept(folder: Path, tmp_path: Path, cli: Cl
     table.write_text(filled)
     assert "filled in" in cli(["strips", "new", "-o", str(tmp_path / "a")]).line
     assert table.read_text() == filled
-
-
-@pytest.mark.parametrize(
-    ("words", "problem"),
-    [
-        (["--count", "60"], "--count = '240 strips of 60 mm'"),
-        (["--thickness", "0.3", "--thickness", "0.3"], "twice"),
-        (["--printer", "none"], "--printer"),
-        (["--stretch", "1"], "--stretch"),
-    ],
-)
-def test_mistakes(words: list[str], problem: str, tmp_path: Path, cli: Cli) -> None:
-    assert problem in cli(["strips", "new", "-o", str(tmp_path / "a"), *words]).refusal
-    assert not (tmp_path / "a").exists()
