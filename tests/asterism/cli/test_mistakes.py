@@ -22,6 +22,7 @@ FILES = {
     "unbent.toml": '[fabric]\nbending = "none"\n',
     "not.npz": "a law?",
 }
+WRITING = ("simulate", "preview", "verify", "export", "report", "calibrate")
 NO_OUTPUT = "'--output': must not be empty"
 MISTAKES = [
     ("simulat d.toml", "simulat"),
@@ -90,10 +91,7 @@ MISTAKES = [
     ("hops --port 70000", "--port"),
     ("hops --patience 0", "--patience"),
     # an empty output is not the working directory
-    *(
-        (f"{name} d.toml -o ''", NO_OUTPUT)
-        for name in ("simulate", "preview", "verify", "export", "report", "calibrate")
-    ),
+    *((f"{name} d.toml -o ''", NO_OUTPUT) for name in WRITING),
     *((f"{words} -o ''", NO_OUTPUT) for words in ("new dome", "law show", "strips new")),
 ]
 
