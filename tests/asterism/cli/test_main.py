@@ -7,7 +7,6 @@ import os
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +14,7 @@ import pytest
 
 from asterism.homogenize.law.law_file import law_bytes
 from asterism.results.files import SUMMARY_FILE
-from tests.asterism.commands import SIGN_OF_LIFE, Cli
+from tests.asterism.commands import SIGN_OF_LIFE, Cli, interrupted
 from tests.asterism.previews.laws import plain_law
 
 SMALL = """
@@ -98,15 +97,8 @@ def test_a_pipe_is_refused_at_once(words: list[str], folder: Path, cli: Cli) -> 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_interrupt_leaves_nothing(number: int, tmp_path: Path) -> None:
     (tmp_path / "d.toml").write_text(SMALL.replace("rings = 0", "rings = 3").replace("4.0", "1.5"))
-    words = [sys.executable, "-m", "asterism", "simulate", "d.toml", "-o", "out"]
-    with open(tmp_path / "errors", "w") as errors:
-        process = subprocess.Popen(words, cwd=tmp_path, stderr=errors)
-    while "iteration" not in (tmp_path / "errors").read_text():
-        time.sleep(0.05)
-        assert process.poll() is None
-    process.send_signal(number)
-    assert process.wait(timeout=60) == 130
-    assert (tmp_path / "errors").read_text().splitlines()[-1] == "asterism: interrupted"
+    lines = interrupted(["simulate", "d.toml", "-o", "out"], tmp_path, lambda said: "iteration" in said, number)
+    assert lines[-1] == "asterism: interrupted"
     assert sorted(file.name for file in tmp_path.iterdir()) == ["d.toml", "errors"]
 
 

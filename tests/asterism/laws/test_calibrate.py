@@ -6,10 +6,8 @@ import io
 import json
 import shlex
 import shutil
-import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import numpy as np
@@ -25,7 +23,7 @@ from asterism.homogenize.law.plan import CellTask, SampleRecord
 from asterism.homogenize.law.star_law import StarLaw
 from asterism.laws.show_law import directions_warning
 from asterism.process.progress_line import CountLine
-from tests.asterism.commands import Cli
+from tests.asterism.commands import Cli, interrupted
 from tests.asterism.previews.laws import plain_law
 from tests.homogenize import same_process
 
@@ -107,20 +105,12 @@ def test_cells_that_all_fail_are_status_one(here: Path, cli: Cli, monkeypatch: p
 def test_interrupted_and_resumed(place: Path, here: Path, cli: Cli) -> None:
     """With one process and fresh cells: bit for bit the law of two processes at once."""
     (here / "m.toml").write_text(PLAN)
-    with open(here / "errors", "w") as errors:
-        words = [sys.executable, "-m", "asterism", "calibrate", "m.toml", "--jobs", "1"]
-        process = subprocess.Popen(words, cwd=here, stderr=errors)
-    samples = here / "cells"
-    while not (samples.exists() and list(samples.glob("*.json"))):
-        time.sleep(0.02)
-        assert process.poll() is None
-    process.send_signal(signal.SIGINT)
-    assert process.wait(timeout=60) == 130
-    last = (here / "errors").read_text().splitlines()[-1]
-    assert last.startswith(f"asterism: interrupted; finished cells are in {samples}")
+    samples, words = here / "cells", ["calibrate", "m.toml", "--jobs", "1"]
+    lines = interrupted(words, here, lambda said: any(samples.glob("*.json")))
+    assert lines[-1].startswith(f"asterism: interrupted; finished cells are in {samples}")
     assert not (here / "m.npz").exists()
     kept = len(list(samples.glob("*.json")))
-    result = cli(["calibrate", "m.toml", "--jobs", "1"])
+    result = cli(words)
     assert law_digest(load_law(here / "m.npz")) == law_digest(load_law(place / "m.npz"))
     assert result.status == 0 and f"{kept} of 6 cells" in result.err.splitlines()[0]
 

@@ -84,12 +84,9 @@ def test_readings_of_one_strip_count_as_one(form: Path, tmp_path: Path) -> None:
     assert means == pytest.approx([float(np.prod([50.0, 52.0, 54.0, 56.0])) ** 0.25, 60.0])
 
 
-def test_the_printed_page_holds_the_slope_and_the_last_step(form: Path) -> None:
+def test_the_form_holds_the_slope_and_the_last_step_and_stays_once_it_was_filled_in(form: Path, tmp_path: Path) -> None:
     text = pypdfium2.PdfDocument(form / "overhangs.pdf")[0].get_textpage().get_text_bounded()
     assert "41.5 degrees at 1:1" in text and "asterism strips overhang overhangs.csv" in text
-
-
-def test_a_table_that_was_filled_in_stays(form: Path, tmp_path: Path) -> None:
     table = filled(form, tmp_path, [50.0])
     before = table.read_bytes()
     with pytest.raises(OutputError, match="may have been filled in"):

@@ -50,12 +50,6 @@ def test_clouds(name: str, tmp_path: Path) -> None:
     np.testing.assert_allclose(np.sort(scan.points, axis=0), 10 * places, rtol=1e-6, atol=1e-4)
 
 
-def test_several_parts_and_polygons(tmp_path: Path) -> None:
-    corners = "v 0 0 0\nv 50 0 0\nv 50 50 0\nv 0 50 0\nv 0 0 9\nv 50 0 9\nv 50 50 9\n"
-    (tmp_path / "a.obj").write_text(corners + "o one\nf 1 2 3 4\no two\nf 5 6 7\n")
-    assert read_scan(tmp_path / "a.obj").triangles == 3
-
-
 def test_samples_are_spread_by_area() -> None:
     points, which = surface_samples(SHAPE.positions, SHAPE.triangles, 50_000, np.random.default_rng(0))
     share = np.bincount(which, minlength=len(SHAPE.triangles)) / len(points)
@@ -160,7 +154,10 @@ def test_mistakes_and_damages_are_named_with_their_place(
     assert name in str(caught.value) and "\n" not in str(caught.value)
 
 
-def test_textures_and_colours_are_passed_over(tmp_path: Path) -> None:
+def test_parts_and_polygons_count_and_textures_and_colours_are_passed_over(tmp_path: Path) -> None:
+    corners = "v 0 0 0\nv 50 0 0\nv 50 50 0\nv 0 50 0\nv 0 0 9\nv 50 0 9\nv 50 50 9\n"
+    (tmp_path / "parts.obj").write_text(corners + "o one\nf 1 2 3 4\no two\nf 5 6 7\n")
+    assert read_scan(tmp_path / "parts.obj").triangles == 3
     (tmp_path / "a.obj").write_bytes(OBJ + b"f 4/1/1 5//2 -1")
     (tmp_path / "b.obj").write_bytes(VERTICES.replace(b"\n", b" 0.5 0.5 0.5\n"))
     scans = [read_scan(tmp_path / name) for name in ("a.obj", "b.obj")]
