@@ -25,7 +25,7 @@ from asterism.draw.picture import (
     usual_font,
     view_image,
 )
-from asterism.draw.render import View, camera, render, scene
+from asterism.draw.render import SUPERSAMPLING, View, camera, render, scene
 from asterism.draw.shading import FABRIC_SIDE, OUTLINE_COLOUR, PLASTIC_SIDE
 from asterism.shape.release_picture import FRAMES, released
 from tests.asterism.commands import Cli
@@ -39,18 +39,12 @@ def image_of(shape: Shape, title: str = "sheet") -> np.ndarray:
 
 
 @pytest.fixture
-def rough_pictures() -> None:
-    """Here they are as fine as anywhere else."""
-
-
-@pytest.fixture
-def rough(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where pictures are only compared with each other, or words are looked at."""
-    monkeypatch.setattr("asterism.draw.render.SUPERSAMPLING", 1)
+def fine(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where pixels are measured, they are as fine as anywhere else."""
+    monkeypatch.setattr("asterism.draw.render.SUPERSAMPLING", SUPERSAMPLING)
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("rough")
 @pytest.mark.parametrize("place", [flat, tube])
 def test_every_shape_gives_a_full_picture_on_white(place) -> None:  # type: ignore[no-untyped-def]
     shape = sheet(place, edge=4.0)
@@ -61,6 +55,7 @@ def test_every_shape_gives_a_full_picture_on_white(place) -> None:  # type: igno
     assert (image[:, 1240:] < 0.99).any(axis=-1).mean() > 0.1
 
 
+@pytest.mark.usefixtures("fine")
 def test_views_are_to_scale_and_each_side_has_its_colour() -> None:
     shape = replace(sheet(flat, edge=5.0), rods=(), rod_fields={})
     for elevation, colour in ((90.0, PLASTIC_SIDE), (-90.0, FABRIC_SIDE)):
@@ -76,6 +71,7 @@ def test_views_are_to_scale_and_each_side_has_its_colour() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("fine")
 def test_arms_are_seen_from_the_plastic_side_only_at_their_width() -> None:
     shape = sheet(flat, edge=1.0)
     row = np.abs(shape.printed[:, 1] - shape.printed[np.linalg.norm(shape.printed, axis=1).argmin(), 1]) < 1e-9
@@ -93,7 +89,6 @@ def test_arms_are_seen_from_the_plastic_side_only_at_their_width() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("rough")
 def test_a_held_sheet_keeps_z_upwards() -> None:
     tilted = sheet(lambda p: np.column_stack([p[:, 0], p[:, 1] * 0.8, p[:, 1] * 0.6]), edge=5.0)
     level = replace(tilted, positions=tilted.positions @ np.array([[1, 0, 0], [0, 0.8, -0.6], [0, 0.6, 0.8]]))
@@ -125,7 +120,6 @@ def test_the_caption_says_what_is_known(said: dict[str, Any], words: str) -> Non
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("rough")
 def test_names_are_printed_as_they_are_and_stay_on_the_picture() -> None:
     """Dollar signs and all: no mathematics."""
     plate = sheet(flat, edge=10.0)
@@ -176,7 +170,7 @@ PIXELS = (400, 300)
 
 
 @pytest.fixture
-def shape(rough: None) -> Shape:
+def shape() -> Shape:
     return replace(sheet(dome, 100.0, 80.0, 5.0), held=True)
 
 

@@ -38,20 +38,16 @@ def plate_with_hole(count: int) -> Mesh:
     return np.column_stack([plane, np.zeros(len(plane))]), triangles[keep]
 
 
-def moebius_strip() -> Mesh:
-    count = 60
+def moebius_strip(count: int = 60) -> Mesh:
     angle = np.arange(count) * 2.0 * np.pi / count
     rows = []
     for across in (-8.0, 8.0):
         radius = 40.0 + across * np.cos(0.5 * angle)
         rows.append(np.column_stack([radius * np.cos(angle), radius * np.sin(angle), across * np.sin(0.5 * angle)]))
-    triangles = []
-    for i in range(count):
-        a, b, c, d = i, i + count, (i + 1) % count, (i + 1) % count + count
-        if i == count - 1:
-            c, d = count, 0
-        triangles += [[a, c, b], [c, d, b]]
-    return np.concatenate(rows), np.array(triangles)
+    # after one turn the two sides of the strip have changed places
+    a, b = np.arange(count), np.arange(count) + count
+    c, d = np.append(a[1:], count), np.append(b[1:], 0)
+    return np.concatenate(rows), np.concatenate([np.column_stack([a, c, b]), np.column_stack([c, d, b])])
 
 
 def open_torus() -> Mesh:
@@ -71,15 +67,18 @@ def bow_tie() -> Mesh:
     return np.array(corners), np.array([[0, 2, 1], [0, 3, 4]])
 
 
+def strip(places: Floats) -> Mesh:
+    """A mesh of quadrilaterals cut in two, from places (m, n, 3)."""
+    number = np.arange(places[..., 0].size).reshape(places.shape[:2])
+    a, b, c, d = (part.ravel() for part in (number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]))
+    return places.reshape(-1, 3), np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
+
+
 def crossing_sheet() -> Mesh:
     # a strip that runs in a loop and passes through itself
     turn = np.linspace(-1.9, 1.9, 61)
     line = np.column_stack([40.0 * np.sin(2.0 * turn), 40.0 * turn**2])
-    across = np.linspace(-20.0, 20.0, 9)
-    vertices = np.array([[x, y, z] for x, z in line for y in across])
-    number = np.arange(len(vertices)).reshape(61, 9)
-    a, b, c, d = (part.ravel() for part in (number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]))
-    return vertices, np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
+    return strip(np.array([[[x, y, z] for y in np.linspace(-20.0, 20.0, 9)] for x, z in line]))
 
 
 def dome(width: float = 80.0, rise: float = 10.0, points: int = 41) -> Mesh:

@@ -18,7 +18,7 @@ from asterism.homogenize.errors import ForeignLaw, LawError
 from asterism.pattern.layout.build import layout
 from asterism.previews.law_choice import paper_law
 from benchmarks.fit_targets import rectangle_mesh
-from tests.asterism.fitting.surfaces import cylinder_part, spherical_cap
+from tests.asterism.fitting.surfaces import cylinder_part, spherical_cap, strip
 
 
 def singular_values(flat: FlatDisk) -> Floats:
@@ -180,12 +180,9 @@ def test_what_is_out_of_reach_is_refused_with_numbers() -> None:
 def test_a_flat_target_that_overlaps_itself_is_refused() -> None:
     # a helicoid-like strip, developed, turns by more than a full turn
     turn, across = np.linspace(0.0, 9.0, 91), np.linspace(20.0, 50.0, 9)
-    vertices = np.array([[r * np.cos(t), r * np.sin(t), 6.0 * t] for t in turn for r in across])
-    number = np.arange(len(vertices)).reshape(91, 9)
-    a, b, c, d = (part.ravel() for part in (number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]))
-    triangles = np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
+    ramp = strip(np.array([[[r * np.cos(t), r * np.sin(t), 6.0 * t] for r in across] for t in turn]))
     with pytest.raises(TargetError, match="overlaps itself when it is laid flat"):
-        flatten_target(TargetSurface.of_triangles(vertices, triangles, "ramp"))
+        flatten_target(TargetSurface.of_triangles(*ramp, "ramp"))
 
 
 def test_curvatures_of_a_cylinder_and_a_sphere() -> None:

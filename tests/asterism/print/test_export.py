@@ -33,8 +33,8 @@ def instructions(folder: str) -> str:
 
 
 @pytest.mark.slow
-def test_all_files_and_what_they_say(file: Path, tmp_path: Path, as_it_is: Run) -> None:
-    result = as_it_is("export", "d.toml", "--plate", "3", "--fabric", "0.55").done
+def test_all_files_and_what_they_say(file: Path, tmp_path: Path, run: Run) -> None:
+    result = run("export", "d.toml", "--plate", "3", "--fabric", "0.55").done
     assert "(plate and stretched fabric)" in result.out
     assert "larger than the bed" not in result.err  # the profile of the printer states its frame
     folder = tmp_path / "d-print"
@@ -51,7 +51,7 @@ def test_all_files_and_what_they_say(file: Path, tmp_path: Path, as_it_is: Run) 
     # the rounded design prints what it says: exporting it again changes nothing
     assert load_design(folder / "rounded.toml").stars.rounding is not None
     (tmp_path / "p.toml").write_text('name = "x"\ndensity_kg_m3 = 1220\nadvice = ["", "dry it"]\n')
-    again = as_it_is("export", "d-print/rounded.toml", "-o", "again", "--plastic", "p.toml").done
+    again = run("export", "d-print/rounded.toml", "-o", "again", "--plastic", "p.toml").done
     assert "released fabric; measure it stretched: --fabric" in again.out
     assert (tmp_path / "again" / "stars.stl").read_bytes() == (folder / "stars.stl").read_bytes()
 
