@@ -29,6 +29,7 @@ from tests.asterism.measure.strips.synthetic import synthetic_readings
 HEAD = "strip,thickness_mm,length_mm,stretch,fabric_thickness_mm,box_width_mm,box_height_mm"
 PEELED = ",peeled_box_width_mm,peeled_box_height_mm"
 GOOD = "1,0.3,60,1.35,0.8,53.4,11.7"
+CURVED = "strip,thickness_mm,length_mm,stretch,fabric_thickness_mm,curvature_per_mm,peeled_curvature_per_mm"
 
 
 def read(tmp_path: Path, text: str | bytes, **options: object) -> list[Reading]:
@@ -120,6 +121,10 @@ def test_a_box_that_does_not_fit_its_strip(tmp_path: Path) -> None:
         (f"{HEAD},curvature_per_mm\n1,0.3,60,1.35,0.8,,,-0.03\n", "row 2, column curvature_per_mm", "from 0 to 1"),
         (f"{HEAD},direction\n{GOOD},left\n", "row 2, column direction", "along or across"),
         (f"{HEAD},direction\n{GOOD},along\n2{GOOD[1:]},\n", "row 3, column direction", "other strips have one"),
+        (f"{CURVED}\n1,.3,60,1.35,.8,.003,.030\n2,.4,60,1.35,.8,0,.017\n", "row 2, column peeled_curvature", "swapped"),
+        (f"{HEAD}{PEELED}\na,.3,60,1.35,.8,59.8,1.35,48.4,13\n", "row 2, column peeled_box_width_mm", "swapped"),
+        (f"{HEAD}\n1,.3,15,1.35,.8,105.3,49.7\n", "row 2, column length_mm", "by its box; is it in cent"),
+        (f"{CURVED}\n1,.03,60,1.35,.8,.03,.003\n", "row 2, column thickness_mm", "is it in inches or centimetres"),
         (b"strip,thickness_mm,length_mm\n\xff\xfe,1,1\n", "row 2", "UTF-8"),
         ("strip,thickness_mm,length_mm\n1\0,1,1\n", "strips.csv", "not text"),
     ],
@@ -131,6 +136,13 @@ def test_mistakes_name_row_and_column(text: str | bytes, place: str, problem: st
     assert "\n" not in line and "strips.csv" in line
     where, _, what = line.removeprefix(str(tmp_path)).partition(": ")
     assert place in where and problem in what, line
+
+
+def test_options_are_for_tables_without_their_columns(tmp_path: Path) -> None:
+    with pytest.raises(TableError, match=r"row 2, column stretch.*--stretch is for tables"):
+        read(tmp_path, f"{HEAD}\n{GOOD}\n", stretch=1.4)
+    with pytest.raises(TableError, match=r"row 3, column fabric_thickness_mm.*--fabric-thickness is for tables"):
+        read(tmp_path, f"{HEAD}\n1,0.3,60,1.35,,53.4,11.7\n2{GOOD[1:]}\n", fabric_thickness_mm=0.7)
 
 
 @pytest.mark.parametrize(
