@@ -6,8 +6,6 @@ from collections.abc import Callable
 from typing import Any
 
 from asterism import Design, ExportSettings, Shape
-from asterism.print import sheets
-from asterism.print.drawing import Drawing, Label
 from asterism.print.job import Job, prepare
 from asterism.print.printer import load_plastic, load_printer
 from tests.asterism.commands import Outcome
@@ -59,18 +57,6 @@ def job(
     machine = load_printer("ultimaker2")
     changed = type(machine).model_validate(machine.model_dump() | (printer or {}))
     return prepare(of or design(), changed, load_plastic("tpu95a"), ExportSettings(**settings), shape, any_size)
-
-
-def needle_sheet(of: Job) -> Drawing:
-    """The page for the base of a print with needles."""
-    page = sheets.needle_sheet(of)
-    assert page is not None
-    return page
-
-
-def texts(page: Drawing) -> str:
-    """All that is written on a page."""
-    return " ".join(item.text for item in page.items if isinstance(item, Label))
 
 
 Run = Callable[..., Outcome]
