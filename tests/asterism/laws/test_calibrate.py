@@ -21,10 +21,10 @@ from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.law_file import law_bytes, law_digest
 from asterism.homogenize.law.plan import CellTask, SampleRecord
 from asterism.homogenize.law.star_law import StarLaw
-from asterism.laws.show_law import directions_warning
 from asterism.process.progress_line import CountLine
 from tests.asterism.commands import Cli, interrupted
 from tests.asterism.previews.laws import plain_law
+from tests.asterism.verification.printed import design
 from tests.homogenize import same_process
 
 PLAN = """
@@ -144,28 +144,8 @@ def five(tmp_path_factory: pytest.TempPathFactory) -> tuple[StarLaw, str]:
     return law, result.stdout
 
 
-def sheet(arms: int, length: float = 6.0) -> Design:
-    stars = {"length_mm": length, "thickness_mm": 0.4}
-    return Design.from_dict({"lattice": {"arms": arms}, "stars": stars, "border": {"rings": 1}})
-
-
-@pytest.mark.slow
-def test_the_law_says_what_it_leaves_out(five: tuple[StarLaw, str]) -> None:
-    law, printed = five
-    line = directions_warning(law)
-    assert line is not None and LEFT in line and "% at most" in line
-    assert line in printed
-    samples = [cell["sample"] for cell in law.samples if cell["sample"] and cell["length_mm"] > 0]
-    assert len(samples) == 2
-    assert all(len(sample["natural_curvature"]) == 6 for sample in samples)
-    values = law.at(1.35)(np.array([0.0, 4.0, 7.0]), 0.3, 1.2).value
-    assert values["lam"][0] * 1.35 == pytest.approx(1.0, abs=1e-8)
-    assert values["kappa"][0] == 0.0 < values["kappa"][1:].min()
-    np.testing.assert_array_equal(values["c3"], 0.0)
-    # arms that overlap are cells without an answer
-    overlapping = [cell for cell in law.samples if cell["length_mm"] == 12.0]
-    assert len(overlapping) == 2 and all("shorten or turn them" in cell["problem"] for cell in overlapping)
-    assert "cells without a law" in printed and not law.at(1.35)(10.0, 0.3, 1.2).inside[0]
+def sheet(arms: int, thickness: float = 0.4) -> Design:
+    return design(lattice={"arms": arms}, stars={"length_mm": 6.0, "thickness_mm": thickness})
 
 
 @pytest.mark.slow
@@ -176,10 +156,8 @@ def test_a_sheet_of_five_arms_bends_differently_in_each_direction(five: tuple[St
     bending = np.asarray(preview.shell.density.stiffness)[..., 3:5, 3:5]
     assert np.abs(bending[..., 0, 0] / bending[..., 1, 1] - 1.0).max() > 0.01
     assert preview.equilibrium.is_minimum
-    thicker = sheet(5).to_dict()
-    thicker["stars"]["thickness_mm"] = 0.45
-    edited = preview.update(Design.from_dict(thicker))
-    assert edited.height_mm == pytest.approx(Preview(Design.from_dict(thicker), five[0]).shape().height_mm, rel=0.01)
+    edited, fresh = preview.update(sheet(5, 0.45)), Preview(sheet(5, 0.45), five[0]).shape()
+    assert edited.height_mm == pytest.approx(fresh.height_mm, rel=0.01)
 
 
 DESIGN = """

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import re
+from functools import partial
 from io import BytesIO
 from pathlib import Path
 from typing import Any
@@ -16,11 +17,9 @@ import asterism
 from asterism import Design, compare_designs, save_design
 from asterism.reports.compare_designs import DesignsComparison
 from tests.asterism.commands import Cli
+from tests.asterism.verification.printed import design
 
-
-def small(**changes: Any) -> Design:
-    data: dict[str, Any] = {"name": "small", "stars": {"length_mm": 8.0}, "border": {"rings": 1}}
-    return Design.from_dict(data | changes)
+small = partial(design, name="small")
 
 
 @pytest.fixture(scope="module")

@@ -170,8 +170,6 @@ def test_without_a_law_there_is_no_picture(design: Path, cli: Cli) -> None:
     assert image[300:1200, 150:1950].min() == 255
     # a law is for fabric that bends
     assert "fabric.bending" in cli(["report", str(design), "--law", str(PAPER_LAW)]).refusal
-    design.write_text(DESIGN)
-    assert "by the preview" in cli(["report", str(design), "--law", str(PAPER_LAW)]).done.out
 
 
 @pytest.mark.slow

@@ -274,9 +274,7 @@ def test_an_unknown_mesh_error_is_told_where_meshes_differ_by_more_than_the_dist
     assert said((0.01, 0.0107), mesh_error_percent=1.1 * distance, mesh_change_percent=1.1 * distance) == []
 
 
-SMALL = Design.from_dict(
-    {"stars": {"length_mm": 8.0, "thickness_mm": 0.4}, "border": {"rings": 1}, "mesh": {"edge_mm": 6.0}}
-)
+SMALL = design(stars={"length_mm": 8.0, "thickness_mm": 0.4}, mesh={"edge_mm": 6.0})
 
 
 @pytest.fixture(scope="module")

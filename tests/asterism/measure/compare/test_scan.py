@@ -32,15 +32,6 @@ def test_meshes(name: str, tmp_path: Path) -> None:
     assert len(scan.points) == 20_000
 
 
-def test_clouds_are_no_surfaces(tmp_path: Path) -> None:
-    trimesh.PointCloud(SHAPE.positions).export(tmp_path / "a.ply")
-    with pytest.raises(ScanError, match="points without triangles"):
-        read_surface(tmp_path / "a.ply")
-    for name, said in (("a.svg", "must end in"), ("a.obj", "not there")):
-        with pytest.raises(ScanError, match=said):
-            read_surface(tmp_path / name)
-
-
 @pytest.mark.parametrize("name", ["a.obj", "a.ply"])
 def test_clouds(name: str, tmp_path: Path) -> None:
     trimesh.PointCloud(SHAPE.positions).export(tmp_path / name)
