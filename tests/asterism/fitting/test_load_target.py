@@ -209,7 +209,7 @@ def test_a_fine_picture_is_averaged_and_transparent_parts_are_left_out(tmp_path:
     assert height_at(target, 0.0, 0.0) == pytest.approx(RISE / 1.1, abs=0.05)
 
 
-def nurbs_vault() -> Any:
+def nurbs_vault(rhino3dm: Any) -> Any:
     """A surface over a square of 10 units, with its highest point in the middle."""
     surface = rhino3dm.NurbsSurface.Create(3, False, 3, 3, 5, 5)
     for i in range(5):
@@ -232,7 +232,7 @@ def rhino_file(path: Path, unit: str = "Centimeters", **things: Any) -> Path:
 
 @pytest.mark.parametrize("kind", ["Surface", "Brep"])
 def test_a_nurbs_surface_is_sampled_in_the_unit_of_its_file(kind: str, tmp_path: Path) -> None:
-    surface = nurbs_vault()
+    surface = nurbs_vault(rhino3dm)
     thing = surface if kind == "Surface" else rhino3dm.Brep.CreateFromSurface(surface)
     path = rhino_file(tmp_path / "vault.3dm", **{kind: thing})
     target = load_target(path)
@@ -257,7 +257,7 @@ def test_a_mesh_of_rhino_is_taken_as_it_is(tmp_path: Path) -> None:
 
 def test_files_of_rhino_without_a_surface_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     start, end = rhino3dm.Point3d(0, 0, 0), rhino3dm.Point3d(9, 9, 9)
-    box, vault = rhino3dm.Box(rhino3dm.BoundingBox(0, 0, 0, 9, 9, 9)), nurbs_vault()
+    box, vault = rhino3dm.Box(rhino3dm.BoundingBox(0, 0, 0, 9, 9, 9)), nurbs_vault(rhino3dm)
     wrong = {
         "empty.3dm": (rhino_file(tmp_path / "empty.3dm"), "holds no visible surface or mesh, nothing"),
         "line.3dm": (
