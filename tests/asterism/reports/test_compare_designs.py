@@ -47,19 +47,14 @@ def test_numbers_are_those_of_the_previews_and_prints(compared: tuple[DesignsCom
 
 
 @pytest.mark.slow
-def test_prints_without_stars_are_counted_in_rods(tmp_path: Path) -> None:
+def test_drawings_are_counted_in_rods_and_name_the_option_for_exact_shapes(tmp_path: Path) -> None:
     lines = [{"line_mm": [(-20, y), (20, y)]} for y in (-5, 5)]
     drawn = Design.from_dict({"rods": {"draw": lines}, "border": {"rectangle_mm": (42, 20)}})
     result = compare_designs([small(), drawn], tmp_path / "page.html", names=["stars", "lines"])
     assert row(result, "stars").texts == ("7", "-")
     assert row(result, "drawn rods").texts == ("-", "2")
-
-
-def test_drawings_without_a_preview_name_the_option_for_exact_shapes(tmp_path: Path) -> None:
-    leaf = asterism.new("leaf")
-    problem = compare_designs([leaf, leaf], tmp_path / "two.html").designs[0].problem
     without = "rods.motif: is missing: lines that do not repeat have no law"
-    assert problem == f"{without}; the exact model may compute it: --exact"
+    assert result.designs[1].problem == f"{without}; the exact model may compute it: --exact"
 
 
 @pytest.mark.slow

@@ -66,7 +66,7 @@ def test_a_real_failing_write(tmp_path: Path) -> None:
     assert contents(tmp_path) == {f"old/{name}": "old" for name in NAMES}
 
 
-def test_things_in_the_way_are_named(tmp_path: Path) -> None:
+def test_things_in_the_way_and_names_that_are_too_long_are_named(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("mine")
     for target in (tmp_path / "file", tmp_path / "file" / "deep" / "er"):
         with pytest.raises(OutputError, match=r"^cannot write .*file.*: a file is in the way$"):
@@ -80,6 +80,12 @@ def test_things_in_the_way_are_named(tmp_path: Path) -> None:
     with pytest.raises(OutputError, match=r"results: a folder is in the way$"):
         check_writable(tmp_path, "results")
     assert contents(tmp_path) == {"file": "mine"}
+    name = 300 * "x"
+    for too_long in ((tmp_path / name,), (tmp_path / "new", name)):
+        with pytest.raises(OutputError, match=rf"^cannot write .*{name}: the name is too long$"):
+            check_writable(*too_long)
+    check_writable(tmp_path / "a" / "b")
+    assert not (tmp_path / "a").exists() and not (tmp_path / "new").exists()
 
 
 @pytest.mark.parametrize("name", ["shape.png", "minimum-2.vtu"])
@@ -106,15 +112,6 @@ def test_a_summary_of_somebody_else_is_not_written_over(tmp_path: Path) -> None:
     for name in ("export.json", "shape.vtu", "rods.vtu", "shape.obj"):
         (tmp_path / name).write_text("{}")
     check_writable(tmp_path)
-
-
-def test_a_name_that_is_too_long_is_named(tmp_path: Path) -> None:
-    name = 300 * "x"
-    for check in (lambda: check_writable(tmp_path / name), lambda: check_writable(tmp_path / "new", name)):
-        with pytest.raises(OutputError, match=rf"^cannot write .*{name}: the name is too long$"):
-            check()
-    check_writable(tmp_path / "a" / "b")
-    assert list(tmp_path.iterdir()) == []
 
 
 def killed_at(directory: Path, moment: str) -> None:

@@ -103,6 +103,8 @@ def stl_text(name: str = "a") -> bytes:
     return f"solid {name}\n{facets}endsolid {name}\n".encode("latin-1")
 
 
+SVG = '<svg xmlns="http://www.w3.org/2000/svg" {size}>{body}</svg>'
+RECT = '<rect x="10" y="10" width="50" height="20"/>'
 OBJ, PLY = obj_text(), ply_text()
 VERTICES = OBJ.partition(b"f ")[0].lstrip()
 LOOP = b"solid a\nfacet normal 0 0 1\nouter loop\n%bendloop\nendfacet\nendsolid a"
@@ -134,14 +136,22 @@ LOOP = b"solid a\nfacet normal 0 0 1\nouter loop\n%bendloop\nendfacet\nendsolid 
         ("a.stl", LOOP % b"vertex 0 0 0\nvertex 1 0 x\nvertex 0 1 0\n", "line 5: 'x' is not a number"),
         ("a.stl", LOOP % b"vertex 0 0 0\nvertex 1 0 0\n", "line 6: a triangle needs 3"),
         ("a.stl", stl_binary()[:500], "8 of 16 triangles"),
+        ("a.svg", SVG.format(size='width="10cm" height="10cm"', body=RECT).encode(), "its own size: --units"),
+        ("a.svg", SVG.format(size="", body="").encode(), "no line"),
+        ("a.svg", b"<html></html>", "is not a drawing in SVG"),
+        ("a.csv", b"x_mm,y_mm\n0,0\n10,10\n10,0\n0,10\n", "crosses itself"),
+        ("a.csv", b"x_mm,y_mm\n0,0\n10,10\n", "at least three"),
+        ("a.csv", b"x_mm,y_mm\n1," + b"9" * 140_000, "row 2: field larger"),
+        ("a.csv", b"x_mm,y_mm\n1,nan\n", "row 2, column y_mm: nan is not a finite number"),
     ],
 )
 def test_mistakes_and_damages_are_named_with_their_place(
     name: str, content: bytes, expected: str, tmp_path: Path
 ) -> None:
     (tmp_path / name).write_bytes(content)
-    with pytest.raises(ScanError, match=re.escape(expected)) as caught:
-        read_scan(tmp_path / name)
+    read = read_outline if name.endswith((".svg", ".csv")) else read_scan
+    with pytest.raises((ScanError, TableError), match=re.escape(expected)) as caught:
+        read(tmp_path / name, "cm")
     assert name in str(caught.value) and "\n" not in str(caught.value)
 
 
@@ -214,10 +224,6 @@ def test_odd_headers_and_lists_of_a_ply_end_in_one_line(content: bytes, old: byt
             read_surface(tmp_path / "a.ply")
 
 
-SVG = '<svg xmlns="http://www.w3.org/2000/svg" {size}>{body}</svg>'
-RECT = '<rect x="10" y="10" width="50" height="20"/>'
-
-
 @pytest.mark.parametrize(
     ("size", "scale"),
     [
@@ -239,24 +245,6 @@ def test_svg_in_mm(size: str, scale: float, tmp_path: Path) -> None:
 def test_csv(tmp_path: Path) -> None:
     (tmp_path / "a.csv").write_text("x_mm;y_mm\n0;0\n10;0\n10;10\n0;0\n")
     np.testing.assert_array_equal(read_outline(tmp_path / "a.csv", "cm").corners, [[0, 0], [100, 0], [100, 100]])
-
-
-@pytest.mark.parametrize(
-    ("name", "text", "problem"),
-    [
-        ("a.svg", SVG.format(size='width="10cm" height="10cm"', body=RECT), "its own size: --units"),
-        ("a.svg", SVG.format(size="", body=""), "no line"),
-        ("a.svg", "<html></html>", "is not a drawing in SVG"),
-        ("a.csv", "x_mm,y_mm\n0,0\n10,10\n10,0\n0,10\n", "crosses itself"),
-        ("a.csv", "x_mm,y_mm\n0,0\n10,10\n", "at least three"),
-        ("a.csv", "x_mm,y_mm\n1," + "9" * 140_000, "row 2: field larger"),
-        ("a.csv", "x_mm,y_mm\n1,nan\n", "row 2, column y_mm.*finite"),
-    ],
-)
-def test_mistakes_of_outlines(name: str, text: str, problem: str, tmp_path: Path) -> None:
-    (tmp_path / name).write_text(text)
-    with pytest.raises((ScanError, TableError), match=problem):
-        read_outline(tmp_path / name, "cm")
 
 
 def test_silhouettes() -> None:
