@@ -145,15 +145,11 @@ def test_no_display_and_no_shared_state() -> None:
     assert (run.returncode, run.stdout, run.stderr) == (0, "", "")
 
 
-@pytest.fixture
-def only_the_usual_font(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_letter_is_a_box(monkeypatch: pytest.MonkeyPatch) -> None:
+    # with the usual font only
     monkeypatch.setattr(fonts, "OTHER_FAMILIES", ())
     for name in ("families", "_letters"):
         monkeypatch.setattr(fonts, name, getattr(fonts, name).__wrapped__)
-
-
-@pytest.mark.usefixtures("only_the_usual_font")
-def test_no_letter_is_a_box() -> None:
     assert fonts.printable("\u661f\u5f62 7") == "<U+661F><U+5F62> 7"
     assert [run for _, run in fonts.font_runs("\u661f 7", bold=True)] == ["<U+661F> 7"]
     draw_shape(sheet(dome, edge=8.0), "\u661f", io.BytesIO())
