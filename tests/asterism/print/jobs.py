@@ -60,21 +60,3 @@ def job(
 
 
 Run = Callable[..., Outcome]
-
-ALWAYS = {
-    "border.stl",
-    "export.json",
-    "instructions.pdf",
-    "instructions.txt",
-    "layout.dxf",
-    "layout.pdf",
-    "layout.svg",
-    "print.3mf",
-    "rounded.toml",
-    "stars.lua",
-    "stars.scad",
-    "stars.stl",
-    "start.gcode",
-}
-PINNED = {"needles.csv", "needles.dxf", "needles.svg"}
-SHAPE = {"shape.obj", "shape.stl", "shape.glb", "shape.vtu", "rods.vtu"}

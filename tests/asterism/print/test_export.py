@@ -16,7 +16,14 @@ from asterism.homogenize.law.law_file import PAPER_LAW
 from asterism.pattern.layout.build import layout
 from asterism.print.export import plastic_warning, printed_shape, shape_change
 from asterism.print.printer import load_plastic
-from tests.asterism.print.jobs import ALWAYS, PINNED, SHAPE, Run, design, job
+from tests.asterism.print.jobs import Run, design, job
+
+ALWAYS = {
+    "border.stl", "export.json", "instructions.pdf", "instructions.txt", "layout.dxf", "layout.pdf", "layout.svg",
+    "print.3mf", "rounded.toml", "stars.lua", "stars.scad", "stars.stl", "start.gcode",
+}  # fmt: skip
+PINNED = {"needles.csv", "needles.dxf", "needles.svg"}
+SHAPE = {"shape.obj", "shape.stl", "shape.glb", "shape.vtu", "rods.vtu"}
 
 
 def names(folder: str) -> set[str]:

@@ -20,17 +20,6 @@ from tests.asterism.fitting.surfaces import spherical_cap
 NAME = '<b>"cap"</b> & </title><script>document.title = "broken"</script>'
 
 
-def distances(mean: float, surface: float, largest: float = 2.0) -> TargetDistanceRecord:
-    return TargetDistanceRecord(
-        mean_percent=mean,
-        weighted_percent=mean,
-        surface_percent=surface,
-        largest_percent=largest,
-        largest_at_mm=[0.0, 0.0, 0.0],
-        is_minimum=True,
-    )
-
-
 @pytest.fixture(scope="module")
 def fitted() -> Fit:
     target = TargetSurface.of_triangles(*spherical_cap(30.0, 68.0), name=NAME)
@@ -61,6 +50,9 @@ def without_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.usefixtures("without_pictures")
 def test_parts_add_up_to_the_distance(fitted: Fit) -> None:
+    def distances(mean: float, surface: float) -> TargetDistanceRecord:
+        return fitted.summary.preview | {"mean_percent": mean, "surface_percent": surface}
+
     values = {
         "unrounded": distances(0.2, 0.3),
         "preview": distances(0.25, 0.35),
