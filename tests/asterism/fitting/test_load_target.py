@@ -24,18 +24,13 @@ from asterism.fitting.errors import TargetError
 from asterism.fitting.target import MAX_TARGET_TRIANGLES
 from tests.asterism.fitting.surfaces import Mesh, bow_tie, dome, spherical_cap
 
+FIVE = np.array([[1.0, 0, 0], [0, 1, 0], [10, 0, 0], [0, 0, 0], [0, 2, 0]])
 BROKEN: list[tuple[Callable[[], Mesh], str]] = [
     (bow_tie, "the border touches itself at"),
     (lambda: (np.zeros((3, 3)), np.array([[0, 1, 2]])), "holds no triangles"),
     (lambda: (np.array([[0.0, 0, 0], [50, 0, 0], [100, 0, 0]]), np.array([[0, 1, 2]])), "have no area"),
     # a triangle that is there twice, closed at its edges, touches two others at two corners
-    (
-        lambda: (
-            np.array([[1.0, 0, 0], [0, 1, 0], [10, 0, 0], [0, 0, 0], [0, 2, 0]]),
-            np.array([[1, 2, 3], [1, 2, 3], [0, 4, 1], [0, 4, 2]]),
-        ),
-        "has 2 parts that share corners only",
-    ),
+    (lambda: (FIVE, np.array([[1, 2, 3], [1, 2, 3], [0, 4, 1], [0, 4, 2]])), "has 2 parts that share corners only"),
     (lambda: (np.full((3, 3), np.nan), np.array([[0, 1, 2]])), "vertices must be finite numbers"),
     (lambda: (np.eye(3), np.array([[0, 1, 3]])), "corners that it does not hold"),
     (lambda: (np.eye(3), np.array([[0.0, 1.0, 2.0]])), "triangles must be whole numbers"),

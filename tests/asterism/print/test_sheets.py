@@ -294,6 +294,8 @@ NARROW = {"length_mm": 8.0, "override": [{"at_mm": [0.0, 0.0], "length_mm": 6.0,
 TAPERED = {"length_mm": 8.0, "width_mm": {"profile": "radial", "from": 0.4, "to": 2.4, "over_mm": 30.0}}
 KNIT = {"modulus_mpa": [9.0, 4.0], "grain_deg": 30.0}
 MAST = {"points_mm": [[0.0, 0.0]], "target_mm": [0.0, 0.0, 25.0]}
+STEPS = [MAST, {"where": "corners", "scale": 0.8, "step": 1}]
+SLIDING = [{"corners": [0, 2, 4]}, {"corners": [1, 3, 5], "slide": "plane"}]
 ROW = {"points_mm": [[3.0 * k, 0.0] for k in range(-7, 8)], "target_mm": [[2.5 * k, 0, 10 + k] for k in range(-7, 8)]}
 
 
@@ -310,17 +312,9 @@ ROW = {"points_mm": [[3.0 * k, 0.0] for k in range(-7, 8)], "target_mm": [[2.5 *
         ({}, {"printer": {"homes": "away"}}, "homes z away from the nozzle: the frame may be on it before"),
         ({"fabric": {"stretch": 2.8}, "border": {"rings": 0}, "pins": []}, {}, "Draw a square of 60 mm|no pins"),
         # three corners are held, three slide, and no shape says where to
-        (
-            {"pins": [{"corners": [0, 2, 4]}, {"corners": [1, 3, 5], "slide": "plane"}]},
-            {},
-            "into the hole of that number: 3 needles. 3 more go through the sheet where it slides",
-        ),
-        (
-            {"pins": [MAST, {"where": "corners", "scale": 0.8, "step": 1}]},
-            {},
-            "at these heights over the base: 25.0 mm at needle 1; on the base at the others.|"
-            "in the design's order: first needle 1, then needles 2 to 7.",
-        ),
+        ({"pins": SLIDING}, {}, "that number: 3 needles. 3 more go through the sheet where it slides"),
+        ({"pins": STEPS}, {}, "at these heights over the base: 25.0 mm at needle 1; on the base at the others."),
+        ({"pins": STEPS}, {}, "in the design's order: first needle 1, then needles 2 to 7."),
         ({"pins": [ROW]}, {}, "heights over the base that are written beside their holes"),
         ({"fabric": KNIT}, {}, "the arrow runs the direction of the fabric that has 9 MPa; across it, it has 4 MPa."),
     ],
