@@ -253,29 +253,28 @@ def test_a_mesh_of_rhino_is_taken_as_it_is(tmp_path: Path) -> None:
 def test_files_of_rhino_without_a_surface_are_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     start, end = rhino3dm.Point3d(0, 0, 0), rhino3dm.Point3d(9, 9, 9)
     box, vault = rhino3dm.Box(rhino3dm.BoundingBox(0, 0, 0, 9, 9, 9)), nurbs_vault(rhino3dm)
-    wrong = {
-        "empty.3dm": (rhino_file(tmp_path / "empty.3dm"), "holds no visible surface or mesh, nothing"),
-        "line.3dm": (
-            rhino_file(tmp_path / "line.3dm", Curve=rhino3dm.LineCurve(start, end)),
-            "no visible surface or mesh, only LineCurve",
-        ),
-        "ball.3dm": (rhino_file(tmp_path / "ball.3dm", Brep=rhino3dm.Sphere(start, 5.0).ToBrep()), "is closed"),
-        "box.3dm": (rhino_file(tmp_path / "box.3dm", Brep=rhino3dm.Brep.CreateFromBox(box)), "without its render mesh"),
-        "light.3dm": (rhino_file(tmp_path / "light.3dm", "LightYears", Surface=vault), "its unit is LightYears"),
-    }
-    whole = rhino_file(tmp_path / "whole.3dm", Surface=vault).read_bytes()
-    for name, content in (("cut.3dm", whole[: len(whole) // 3]), ("text.3dm", b"hello"), ("void.3dm", b"")):
-        (tmp_path / name).write_bytes(content)
-        wrong[name] = (tmp_path / name, "cannot be read as 3DM")
-    wrong["missing.3dm"] = (tmp_path / "missing.3dm", "is not there")
-    for path, problem in wrong.values():
+
+    def refuse(path: Path, problem: str) -> None:
         with pytest.raises(TargetError, match=problem) as caught:
             load_target(path)
         assert "\n" not in str(caught.value)
-    assert load_target(wrong["light.3dm"][0], unit="cm").diameter_mm == pytest.approx(100.0 * np.sqrt(2.0))
+
+    for things, problem in (
+        ({}, "holds no visible surface or mesh, nothing"),
+        ({"Curve": rhino3dm.LineCurve(start, end)}, "no visible surface or mesh, only LineCurve"),
+        ({"Brep": rhino3dm.Sphere(start, 5.0).ToBrep()}, "is closed"),
+        ({"Brep": rhino3dm.Brep.CreateFromBox(box)}, "without its render mesh"),
+        ({"unit": "LightYears", "Surface": vault}, "its unit is LightYears"),
+    ):
+        refuse(rhino_file(tmp_path / "a.3dm", **things), problem)
+    assert load_target(tmp_path / "a.3dm", unit="cm").diameter_mm == pytest.approx(100.0 * np.sqrt(2.0))
+    whole = rhino_file(tmp_path / "whole.3dm", Surface=vault).read_bytes()
+    for content in (whole[: len(whole) // 3], b"hello", b""):
+        (tmp_path / "a.3dm").write_bytes(content)
+        refuse(tmp_path / "a.3dm", "cannot be read as 3DM")
+    refuse(tmp_path / "missing.3dm", "is not there")
     monkeypatch.setitem(sys.modules, "rhino3dm", None)
-    with pytest.raises(TargetError, match=r'needs rhino3dm: pip install "asterism-fabric\[cad\]"'):
-        load_target(tmp_path / "whole.3dm")
+    refuse(tmp_path / "whole.3dm", r'needs rhino3dm: pip install "asterism-fabric\[cad\]"')
 
 
 def test_a_few_triangles_without_area_are_left_out_with_a_word(tmp_path: Path) -> None:
