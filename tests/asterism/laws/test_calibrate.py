@@ -21,6 +21,7 @@ from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.law_file import law_bytes, law_digest
 from asterism.homogenize.law.plan import CellTask, SampleRecord
 from asterism.homogenize.law.star_law import StarLaw
+from asterism.laws.show_law import directions_warning
 from asterism.process.progress_line import CountLine
 from tests.asterism.commands import Cli, interrupted
 from tests.asterism.previews.laws import plain_law
@@ -146,6 +147,25 @@ def five(tmp_path_factory: pytest.TempPathFactory) -> tuple[StarLaw, str]:
 
 def sheet(arms: int, thickness: float = 0.4) -> Design:
     return design(lattice={"arms": arms}, stars={"length_mm": 6.0, "thickness_mm": thickness})
+
+
+@pytest.mark.slow
+def test_the_law_says_what_it_leaves_out(five: tuple[StarLaw, str]) -> None:
+    law, printed = five
+    line = directions_warning(law)
+    assert line is not None and LEFT in line and "% at most" in line
+    assert line in printed
+    samples = [cell["sample"] for cell in law.samples if cell["sample"] and cell["length_mm"] > 0]
+    assert len(samples) == 2
+    assert all(len(sample["natural_curvature"]) == 6 for sample in samples)
+    values = law.at(1.35)(np.array([0.0, 4.0, 7.0]), 0.3, 1.2).value
+    assert values["lam"][0] * 1.35 == pytest.approx(1.0, abs=1e-8)
+    assert values["kappa"][0] == 0.0 < values["kappa"][1:].min()
+    np.testing.assert_array_equal(values["c3"], 0.0)
+    # arms that overlap are cells without an answer
+    overlapping = [cell for cell in law.samples if cell["length_mm"] == 12.0]
+    assert len(overlapping) == 2 and all("shorten or turn them" in cell["problem"] for cell in overlapping)
+    assert "cells without a law" in printed and not law.at(1.35)(10.0, 0.3, 1.2).inside[0]
 
 
 @pytest.mark.slow

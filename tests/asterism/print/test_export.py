@@ -105,9 +105,7 @@ def test_another_plastic_than_the_designs_is_named() -> None:
 
 
 @pytest.mark.slow
-def test_without_the_package_for_dxf_all_else_is_written(
-    file: Path, tmp_path: Path, run: Run, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_the_package_for_dxf_all_else_is_written(file: Path, run: Run, monkeypatch: pytest.MonkeyPatch) -> None:
     assert run("export", "d.toml", "-o", "out").done  # its drawings in DXF do not stay beside the next export
     monkeypatch.setitem(sys.modules, "ezdxf", None)
     result = run("export", "d.toml", "-o", "out").done
@@ -161,7 +159,7 @@ def test_a_sheet_that_hangs_below_its_needles_is_told(file: Path, tmp_path: Path
 
 
 @pytest.mark.slow
-def test_the_preview_says_what_rounding_does(file: Path, tmp_path: Path, run: Run) -> None:
+def test_the_preview_says_what_rounding_does(file: Path, run: Run) -> None:
     save_design(design(fabric={}, border={"rings": 1}, pins=[]), file)
     result = run("export", "d.toml", "-o", "out").done
     assert "(preview; --simulate is exact)" in result.out
@@ -216,9 +214,7 @@ def test_the_shape_of_results_is_not_replaced_beside_its_summary(file: Path, tmp
 
 
 @pytest.mark.slow
-def test_where_the_preview_knows_no_law_the_print_is_exported_all_the_same(
-    file: Path, tmp_path: Path, run: Run
-) -> None:
+def test_where_the_preview_knows_no_law_the_print_is_exported_all_the_same(file: Path, run: Run) -> None:
     """The fabric does not bend."""
     save_design(design(fabric={"bending": "none"}), file)
     result = run("export", "d.toml", "-o", "out").done

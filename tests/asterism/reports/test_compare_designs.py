@@ -91,7 +91,7 @@ def test_a_design_without_a_shape_is_there_with_the_reason(compared: tuple[Desig
     assert page.count("<img") == 2 * 3
 
 
-def test_pictures_of_a_row_have_one_scale(compared: tuple[DesignsComparison, str], tmp_path: Path) -> None:
+def test_pictures_of_a_row_have_one_scale(compared: tuple[DesignsComparison, str]) -> None:
     """The sheet seen from above is as wide in the picture as along x in space, for both designs."""
     result, page = compared
     data = re.findall(r'src="data:image/png;base64,([^"]+)"', page)[-2:]

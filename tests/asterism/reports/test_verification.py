@@ -93,7 +93,7 @@ def test_both_shapes_of_a_verification_can_be_read_again(found, folder):
     assert preview.summary == found.summary["preview"]
 
 
-def test_page_needs_nothing_else(found, folder):
+def test_page_needs_nothing_else(folder):
     text = (folder / "report.html").read_text(encoding="utf-8")
     assert "<script" not in text
     assert "&lt;b&gt;&quot;stars&quot;&lt;/b&gt; &amp;" in text
