@@ -10,6 +10,8 @@ from pathlib import Path
 import pytest
 
 import asterism
+from asterism import FitSettings, solve_for_point
+from asterism.fitting.settings import SettingError
 from asterism.pattern import gallery
 
 
@@ -57,7 +59,7 @@ DOME = asterism.new("dome")
 CAP = asterism.TargetSurface.of_formula("9 - (r/20)**2", 100.0)
 NEEDLES = {"points_mm": [[43.0, 24.8], [-43.0, -24.8]], "target_mm": [[31.0, 18.0, 0.0], [-31.0, -18.0, 0.0]]}
 CANOPY = asterism.Design.from_dict({"stars": {"length_mm": 7.0}, "border": {"rings": 2}, "pins": [NEEDLES]})
-UP = (0.0, 0.0, 18.0)
+MIDDLE, UP = (0.0, 0.0), (0.0, 0.0, 18.0)
 WHOLE = r"must be a whole number, at least 1"
 
 
@@ -72,24 +74,36 @@ WHOLE = r"must be a whole number, at least 1"
         (lambda: asterism.simulate(DOME, starts=1.5), ValueError, f"starts = 1.5: {WHOLE}"),
         (lambda: asterism.fit("cap.obj"), TypeError, "TargetSurface is needed, not str"),
         (lambda: asterism.fit(CAP, {"needles": 8}), TypeError, "a FitSettings is needed"),
-        (lambda: asterism.FitSettings(needles=1), ValueError, "needles = 1"),
-        (lambda: asterism.FitSettings(needles=2), ValueError, "needles = 2"),
-        (lambda: asterism.FitSettings(needles=-1), ValueError, "needles = -1"),
-        (lambda: asterism.FitSettings(needles=2.5), ValueError, r"needles = 2\.5"),
-        (lambda: asterism.FitSettings(needles=1001), ValueError, "needles = 1001"),
-        (lambda: asterism.FitSettings(needles=8, border=True), ValueError, "needles = 8: conflicts with border = True"),
-        (lambda: asterism.FitSettings(corrections=-1), ValueError, "= -1: must be a whole number from 0 to 20"),
-        (lambda: asterism.FitSettings(width_mm=-1.0), ValueError, r"width_mm = -1\.0: must be a positive number"),
+        (lambda: FitSettings(needles=1), SettingError, "needles = 1"),
+        (lambda: FitSettings(needles=2), SettingError, "needles = 2"),
+        (lambda: FitSettings(needles=-1), SettingError, "needles = -1"),
+        (lambda: FitSettings(needles=2.5), SettingError, r"needles = 2\.5"),
+        (lambda: FitSettings(needles=1001), SettingError, "needles = 1001"),
+        (
+            lambda: FitSettings(needles=8, border=True),
+            SettingError,
+            "needles = 8: conflicts with border = True",
+        ),
+        (lambda: FitSettings(corrections=-1), SettingError, "corrections = -1: must be a whole number from 0 to 20"),
+        (lambda: FitSettings(width_mm=-1.0), SettingError, r"width_mm = -1\.0: must be a positive number"),
         (lambda: asterism.solve_for("dome.toml", "height_mm", 3.0), TypeError, "Design is needed"),
         (lambda: asterism.solve_for(DOME, "depth", 3.0), ValueError, "wanted = 'depth'"),
         (lambda: asterism.solve_for(DOME, "height_mm", -1), ValueError, "value = -1"),
         (lambda: asterism.solve_for(DOME, "height_mm", 3.0, "stretch"), ValueError, "change = 'stretch'"),
-        (lambda: asterism.solve_for_point({}, (0.0, 0.0), UP), TypeError, "Design is needed"),
-        (lambda: asterism.solve_for_point(CANOPY, (0.0, 0.0), UP, 2), ValueError, "must be a whole number from 0 to 1"),
-        (lambda: asterism.solve_for_point(CANOPY, (300.0, 0.0), UP), ValueError, "at_mm = .*: must be on the sheet"),
-        (lambda: asterism.solve_for_point(CANOPY, (0.0, 0.0), (0.0, 18.0)), ValueError, "point_mm = .*: must be 3 num"),
-        (lambda: asterism.solve_for_point(CANOPY, "centre", UP), ValueError, "at_mm = 'centre': must be 2 numbers of"),
-        (lambda: asterism.solve_for_point(DOME, (0.0, 0.0), UP), ValueError, "needles with target_mm are needed"),
+        (lambda: solve_for_point({}, MIDDLE, UP), TypeError, "Design is needed"),
+        (lambda: solve_for_point(CANOPY, MIDDLE, UP, 2), ValueError, "needle = 2: must be a whole number from 0 to 1"),
+        (lambda: solve_for_point(CANOPY, (300.0, 0.0), UP), ValueError, "at_mm = .*: must be on the sheet"),
+        (
+            lambda: solve_for_point(CANOPY, MIDDLE, (0.0, 18.0)),
+            ValueError,
+            "point_mm = .*: must be 3 numbers of mm",
+        ),
+        (
+            lambda: solve_for_point(CANOPY, "centre", UP),
+            ValueError,
+            "at_mm = 'centre': must be 2 numbers of mm",
+        ),
+        (lambda: solve_for_point(DOME, MIDDLE, UP), ValueError, "needles with target_mm are needed"),
         (lambda: asterism.sensitivity(DOME, of="weight"), ValueError, "must be .*height_mm"),
         (lambda: asterism.sensitivity(DOME, by="depth_mm"), ValueError, "must be .*length_mm"),
     ],

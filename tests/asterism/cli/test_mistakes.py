@@ -97,8 +97,11 @@ MISTAKES = [
 
 
 @pytest.mark.parametrize(("words", "expected"), MISTAKES)
-def test_mistakes_are_one_line_and_leave_nothing(words: str, expected: str, here: Path, cli: Cli) -> None:
+def test_mistakes_are_one_line_and_leave_nothing(
+    words: str, expected: str, here: Path, cli: Cli, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ASTERISM_CELLS", str(here / "cells"))
     for name, text in FILES.items():
         (here / name).write_text(text)
     assert expected in cli(shlex.split(words)).refusal
-    assert {file.name for file in here.iterdir()} == set(FILES)
+    assert {file.name for file in here.iterdir()} - {"cells"} == set(FILES) and not list(here.glob("cells/*"))

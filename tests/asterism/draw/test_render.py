@@ -27,6 +27,7 @@ def test_triangles_that_cross_are_cut_along_their_line() -> None:
     column = np.arange(40)[None] + 0.5
     covered = raster.face >= 0
     assert set(np.unique(raster.face)) == {-1, 0, 1}
+    assert np.allclose(raster.depth[covered], np.broadcast_to(np.maximum(column, 10.0), (40, 40))[covered])
     assert np.array_equal(raster.face[covered], np.broadcast_to(column < 10, (40, 40))[covered].astype(int))
 
 
