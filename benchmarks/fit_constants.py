@@ -108,11 +108,7 @@ def chosen(halves: Mapping[str, Sequence[Solved]]) -> tuple[PreviewModel, list[R
 
 
 def tried_value(
-    name: str,
-    factor: float,
-    model: PreviewModel,
-    base: Mapping[str, Floats],
-    halves: Mapping[str, Sequence[Solved]],
+    name: str, factor: float, model: PreviewModel, base: Mapping[str, Floats], halves: Mapping[str, Sequence[Solved]]
 ) -> Row:
     """The gains of a factor of a constant by half: mean in %, and its standard error over the designs."""
     value = factor * getattr(model, name)

@@ -75,17 +75,19 @@ def surface(name: str, mesh: Mesh, place: Callable[[Floats, Floats], Sequence[Fl
     return TargetSurface.of_triangles(np.column_stack(place(*plane.T)), triangles, name)
 
 
+def cap_mesh(half_angle_deg: float, width_mm: float = 100.0, rings: int = 24) -> tuple[Floats, Ints]:
+    """(V, 3) points of a cap of a sphere, of that width up to its equator, and triangles."""
+    plane, triangles = round_mesh(rings)
+    half = np.deg2rad(half_angle_deg)
+    radius = 0.5 * width_mm / np.sin(min(half, 0.5 * np.pi))
+    angle, around = half * np.linalg.norm(plane, axis=1), np.arctan2(plane[:, 1], plane[:, 0])
+    places = [np.sin(angle) * np.cos(around), np.sin(angle) * np.sin(around), np.cos(angle)]
+    return radius * np.column_stack(places), triangles
+
+
 def cap(half_angle_deg: float, name: str) -> TargetSurface:
     """A cap of a sphere, 100 mm wide."""
-    half = np.deg2rad(half_angle_deg)
-    radius = 50.0 / np.sin(half)
-
-    def place(x: Floats, y: Floats) -> Sequence[Floats]:
-        angle, around = half * np.linalg.norm([x, y], axis=0), np.arctan2(y, x)
-        places = [np.sin(angle) * np.cos(around), np.sin(angle) * np.sin(around), np.cos(angle)]
-        return [radius * each for each in places]
-
-    return surface(name, round_mesh(), place)
+    return TargetSurface.of_triangles(*cap_mesh(half_angle_deg), name)
 
 
 def graph(height: Callable[[Floats, Floats], Floats], width: float, depth: float, name: str) -> TargetSurface:

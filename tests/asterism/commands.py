@@ -1,12 +1,15 @@
-"""Run a command in this process: what it prints, and how it exits."""
+"""Run a command, most in this process: what it prints, and how it exits."""
 
 from __future__ import annotations
 
 import signal
+import subprocess
 import sys
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
+from pathlib import Path
 
 import pytest
 
@@ -67,3 +70,18 @@ def command(words: list[str], capsys: pytest.CaptureFixture[str], monkeypatch: p
     printed = capsys.readouterr()
     errors = "".join(line for line in printed.err.splitlines(keepends=True) if not line.startswith(SIGN_OF_LIFE))
     return Outcome(int(stop.value.code or 0), printed.out, errors)
+
+
+def interrupted(
+    words: list[str], folder: Path, has_begun: Callable[[str], bool], number: int = signal.SIGINT
+) -> list[str]:
+    """Lines of errors of `asterism WORDS` in a process of its own, which gets a signal once it has begun."""
+    errors = folder / "errors"
+    with errors.open("w") as stream:
+        process = subprocess.Popen([sys.executable, "-m", "asterism", *words], cwd=folder, stderr=stream)
+    while not has_begun(errors.read_text()):
+        time.sleep(0.02)
+        assert process.poll() is None
+    process.send_signal(number)
+    assert process.wait(timeout=600) == 130
+    return errors.read_text().splitlines()

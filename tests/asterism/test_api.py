@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 import asterism
+from asterism import FitSettings, solve_for_point
 from asterism.pattern import gallery
+from asterism.process.settings import SettingError
 
 
 def test_the_public_names_are_listed() -> None:
@@ -52,15 +55,62 @@ def test_an_edit_to_no_design_leaves_the_preview() -> None:
     assert preview.design == design and preview.equilibrium.is_minimum
 
 
-def test_what_is_no_law_no_side_and_no_number_of_starts_is_refused() -> None:
-    design = gallery.load("dome")
-    with pytest.raises(TypeError, match=r"Law is needed, not str.*load_law"):
-        asterism.preview(design, law="law.npz")  # type: ignore[arg-type]
-    assert asterism.preview(design, law=asterism.load_law()).summary["is_minimum"]
-    with pytest.raises(ValueError, match=r"side = 'sideways': must be auto, up, down"):
-        asterism.preview(design, side="sideways")  # type: ignore[arg-type]
-    for wrong in (0, 1.5):
-        with pytest.raises(ValueError, match=rf"triangles = {wrong}: must be a whole number, at least 1"):
-            asterism.Preview(design, triangles=wrong)  # type: ignore[arg-type]
-        with pytest.raises(ValueError, match=rf"starts = {wrong}: must be a whole number, at least 1"):
-            asterism.simulate(design, starts=wrong)  # type: ignore[arg-type]
+DOME = asterism.new("dome")
+CAP = asterism.TargetSurface.of_formula("9 - (r/20)**2", 100.0)
+NEEDLES = {"points_mm": [[43.0, 24.8], [-43.0, -24.8]], "target_mm": [[31.0, 18.0, 0.0], [-31.0, -18.0, 0.0]]}
+CANOPY = asterism.Design.from_dict({"stars": {"length_mm": 7.0}, "border": {"rings": 2}, "pins": [NEEDLES]})
+MIDDLE, UP = (0.0, 0.0), (0.0, 0.0, 18.0)
+WHOLE = r"must be a whole number, at least 1"
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "message"),
+    [
+        (lambda: asterism.preview(DOME, law="law.npz"), TypeError, r"Law is needed, not str.*load_law"),
+        (lambda: asterism.preview(DOME, side="sideways"), ValueError, r"side = 'sideways': must be auto, up, down"),
+        (lambda: asterism.Preview(DOME, triangles=0), ValueError, f"triangles = 0: {WHOLE}"),
+        (lambda: asterism.Preview(DOME, triangles=1.5), ValueError, f"triangles = 1.5: {WHOLE}"),
+        (lambda: asterism.simulate(DOME, starts=0), ValueError, f"starts = 0: {WHOLE}"),
+        (lambda: asterism.simulate(DOME, starts=1.5), ValueError, f"starts = 1.5: {WHOLE}"),
+        (lambda: asterism.fit("cap.obj"), TypeError, "TargetSurface is needed, not str"),
+        (lambda: asterism.fit(CAP, {"needles": 8}), TypeError, "a FitSettings is needed"),
+        (lambda: FitSettings(needles=1), SettingError, "needles = 1"),
+        (lambda: FitSettings(needles=2), SettingError, "needles = 2"),
+        (lambda: FitSettings(needles=-1), SettingError, "needles = -1"),
+        (lambda: FitSettings(needles=2.5), SettingError, r"needles = 2\.5"),
+        (lambda: FitSettings(needles=1001), SettingError, "needles = 1001"),
+        (
+            lambda: FitSettings(needles=8, border=True),
+            SettingError,
+            "needles = 8: conflicts with border = True",
+        ),
+        (lambda: FitSettings(corrections=-1), SettingError, "corrections = -1: must be a whole number from 0 to 20"),
+        (lambda: FitSettings(width_mm=-1.0), SettingError, r"width_mm = -1\.0: must be a positive number"),
+        (lambda: asterism.solve_for("dome.toml", "height_mm", 3.0), TypeError, "Design is needed"),
+        (lambda: asterism.solve_for(DOME, "depth", 3.0), ValueError, "wanted = 'depth'"),
+        (lambda: asterism.solve_for(DOME, "height_mm", -1), ValueError, "value = -1"),
+        (lambda: asterism.solve_for(DOME, "height_mm", 3.0, "stretch"), ValueError, "change = 'stretch'"),
+        (lambda: solve_for_point({}, MIDDLE, UP), TypeError, "Design is needed"),
+        (lambda: solve_for_point(CANOPY, MIDDLE, UP, 2), ValueError, "needle = 2: must be a whole number from 0 to 1"),
+        (lambda: solve_for_point(CANOPY, (300.0, 0.0), UP), ValueError, "at_mm = .*: must be on the sheet"),
+        (
+            lambda: solve_for_point(CANOPY, MIDDLE, (0.0, 18.0)),
+            ValueError,
+            "point_mm = .*: must be 3 numbers of mm",
+        ),
+        (
+            lambda: solve_for_point(CANOPY, "centre", UP),
+            ValueError,
+            "at_mm = 'centre': must be 2 numbers of mm",
+        ),
+        (lambda: solve_for_point(DOME, MIDDLE, UP), ValueError, "needles with target_mm are needed"),
+        (lambda: asterism.sensitivity(DOME, of="weight"), ValueError, "must be .*height_mm"),
+        (lambda: asterism.sensitivity(DOME, by="depth_mm"), ValueError, "must be .*length_mm"),
+    ],
+)
+def test_wrong_arguments_are_refused_in_one_line(
+    call: Callable[[], object], error: type[Exception], message: str
+) -> None:
+    with pytest.raises(error, match=message) as caught:
+        call()
+    assert "\n" not in str(caught.value)

@@ -8,10 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from asterism import load_design, preview
 from asterism.homogenize.law.law_file import law_bytes
 from asterism.pattern.design import files as user_files
-from asterism.pattern.layout.build import load_design
-from asterism.previews.session import preview
 from tests.asterism.commands import Cli
 from tests.asterism.previews.laws import plain_law
 
@@ -19,12 +18,11 @@ DESIGN = "[stars]\nlength_mm = 8.0\n[border]\nrings = 1\n"
 
 
 @pytest.fixture(autouse=True)
-def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+def home(here: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.delenv(user_files.PROFILES_VARIABLE, raising=False)
-    monkeypatch.setattr(user_files, "user_folder", lambda: tmp_path / "home")
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "d.toml").write_text(DESIGN)
-    return tmp_path
+    monkeypatch.setattr(user_files, "user_folder", lambda: here / "home")
+    (here / "d.toml").write_text(DESIGN)
+    return here
 
 
 @pytest.mark.slow
@@ -37,11 +35,10 @@ def test_strips_fit_keeps_a_material_that_commands_take_by_name(home: Path, cli:
     file = home / "home" / "materials" / "jersey.toml"
     table = tomllib.loads(file.read_text(encoding="utf-8"))
     assert table["measured"]["source"] == "strips.csv: 8 readings of strips" and len(table["measured"]["date"]) == 10
-    listed = cli(["materials"])
-    assert listed.status == 0
-    line = next(line for line in listed.out.splitlines() if line.split()[0] == "jersey")
+    listed = {line.split()[0]: line for line in cli(["materials"]).done.out.splitlines()}
+    line = listed["jersey"]
     assert "strips.csv" in line and table["measured"]["date"] in line and "fabric 0.8 mm, at stretch 1.35" in line
-    assert any(line.split()[0] == "paper" for line in listed.out.splitlines())
+    assert "paper" in listed
     # by the option, and in the design
     ratio = table["plastic"]["modulus_ratio"]
     assert cli(["export", "d.toml", "-o", "out", "--material", "jersey"]).done
@@ -59,8 +56,8 @@ def test_a_wrong_file_is_named_and_does_not_hide_the_others(home: Path, cli: Cli
     (home / "home" / "materials" / "wrong.toml").write_text("[plastic]\nmodulus_ratio = -1.0\n")
     done = cli(["materials"])
     assert done.status == 2 and "wrong.toml: plastic.modulus_ratio" in done.err and "paper" in done.out
-    refused = cli(["preview", "d.toml", "--material", "wool"])
-    assert refused.status == 2 and "--material = 'wool'" in refused.line and "paper" in refused.line
+    refusal = cli(["preview", "d.toml", "--material", "wool"]).refusal
+    assert "--material = 'wool'" in refusal and "paper" in refusal
 
 
 @pytest.mark.usefixtures("blank_pictures")

@@ -81,7 +81,6 @@ def test_nothing_is_printed_while_the_user_is_asked(monkeypatch: pytest.MonkeyPa
 
 
 FILE = Path("leaf.toml")
-DRAWN = "[rods]\n[[rods.draw]]\nline_mm = [[-20, 0], [20, 0]]\n[border]\nrectangle_mm = [60, 60]\n"
 
 
 @pytest.mark.parametrize(

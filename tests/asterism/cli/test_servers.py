@@ -26,29 +26,9 @@ PATIENCE_S = 60
 
 
 @pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    (tmp_path / "dome.toml").write_bytes(gallery.path("dome").read_bytes())
-    monkeypatch.chdir(tmp_path)
-    return tmp_path
-
-
-@pytest.mark.parametrize(
-    ("words", "named"),
-    [
-        (["studio", "nothing.toml"], "nothing.toml"),
-        (["studio", "bad.toml"], "stars.length_mm"),
-        (["studio", "dome.txt"], ".toml"),
-        (["studio", "dome.toml", "--listen", "0.0.0.0"], "0.0.0.0"),
-        (["studio", "dome.toml", "--listen", "192.0.2.1"], "192.0.2.1"),
-        (["studio", "dome.toml", "--port", "70000"], "--port"),
-        (["hops", "--folder", "nothing"], "nothing"),
-        (["hops", "--port", "70000"], "--port"),
-        (["hops", "--patience", "0"], "--patience"),
-    ],
-)
-def test_mistakes_are_one_line(folder: Path, words: list[str], named: str, cli: Cli):
-    (folder / "bad.toml").write_text("[stars]\nlength_mm = -1\n[border]\nrings = 1\n", encoding="utf-8")
-    assert named in cli([*words, "--no-browser"] if words[0] == "studio" else words).refusal
+def folder(here: Path) -> Path:
+    (here / "dome.toml").write_bytes(gallery.path("dome").read_bytes())
+    return here
 
 
 def test_a_port_in_use_is_one_line(folder: Path, cli: Cli):
@@ -56,8 +36,8 @@ def test_a_port_in_use_is_one_line(folder: Path, cli: Cli):
         other.bind(("127.0.0.1", 0))
         other.listen()
         port = other.getsockname()[1]
-        refused = cli(["studio", "dome.toml", "--no-browser", "--port", str(port)])
-    assert refused.status == 2 and str(port) in refused.line and "in use" in refused.line
+        refusal = cli(["studio", "dome.toml", "--no-browser", "--port", str(port)]).refusal
+    assert str(port) in refusal and "in use" in refusal
 
 
 @contextmanager
@@ -98,7 +78,6 @@ def test_it_serves_its_page_and_keeps_unsaved_work_at_its_end(name: str, folder:
     if not hasattr(signal, name):
         pytest.skip("there is no such signal")
     with started("studio", "dome.toml", "--no-browser") as process:
-        assert process.stdout is not None
         line = process.stdout.readline()
         found = re.search(r"http://127\.0\.0\.1:\d+/[\w-]{20,}/", line)
         assert found, line
@@ -131,7 +110,6 @@ def test_it_serves_its_page_and_keeps_unsaved_work_at_its_end(name: str, folder:
 @pytest.mark.usefixtures("here")
 def test_hops_serves_and_ends_at_ctrl_c():
     with started("hops", "--port", "0") as process:
-        assert process.stdout is not None
         lines = [process.stdout.readline() for _ in range(7)]
         found = re.match(r"http://127\.0\.0\.1:\d+/sites", lines[0])
         assert found and lines[-1] == "Ctrl-C ends it\n"

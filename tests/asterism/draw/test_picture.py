@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from asterism import Shape, write_results
 from asterism.draw import fonts
 from asterism.draw.picture import (
     FIRST_RARE_LETTER,
@@ -24,14 +25,11 @@ from asterism.draw.picture import (
     usual_font,
     view_image,
 )
-from asterism.draw.render import FABRIC_SIDE, OUTLINE_COLOUR, PLASTIC_SIDE, render
+from asterism.draw.render import FABRIC_SIDE, OUTLINE_COLOUR, PLASTIC_SIDE, SUPERSAMPLING, render
 from asterism.draw.scene import View, camera, scene
-from asterism.reports.write_results import write_results
 from asterism.shape.release_picture import FRAMES, released
-from asterism.shape.shape import Shape
-from tests.asterism import sheets
 from tests.asterism.commands import Cli
-from tests.asterism.sheets import dome, sheet
+from tests.asterism.sheets import dome, flat, sheet, tube
 
 
 def image_of(shape: Shape, title: str = "sheet") -> np.ndarray:
@@ -41,21 +39,15 @@ def image_of(shape: Shape, title: str = "sheet") -> np.ndarray:
 
 
 @pytest.fixture
-def rough_pictures() -> None:
-    """Here they are as fine as anywhere else."""
-
-
-@pytest.fixture
-def rough(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Where pictures are only compared with each other, or words are looked at."""
-    monkeypatch.setattr("asterism.draw.render.SUPERSAMPLING", 1)
+def fine(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Where pixels are measured, they are as fine as anywhere else."""
+    monkeypatch.setattr("asterism.draw.render.SUPERSAMPLING", SUPERSAMPLING)
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("rough")
-@pytest.mark.parametrize("place", [sheets.flat, sheets.tube])
+@pytest.mark.parametrize("place", [flat, tube])
 def test_every_shape_gives_a_full_picture_on_white(place) -> None:  # type: ignore[no-untyped-def]
-    shape = sheets.sheet(place, edge=4.0)
+    shape = sheet(place, edge=4.0)
     image = image_of(shape)
     assert np.array_equal(image, image_of(shape)) and image.shape == (PICTURE_HEIGHT_PX, PICTURE_WIDTH_PX, 3)
     assert np.allclose(image[[0, -1]], 1) and np.allclose(image[:, [0, -1]], 1)
@@ -63,8 +55,9 @@ def test_every_shape_gives_a_full_picture_on_white(place) -> None:  # type: igno
     assert (image[:, 1240:] < 0.99).any(axis=-1).mean() > 0.1
 
 
+@pytest.mark.usefixtures("fine")
 def test_views_are_to_scale_and_each_side_has_its_colour() -> None:
-    shape = replace(sheets.sheet(sheets.flat, edge=5.0), rods=(), rod_fields={})
+    shape = replace(sheet(flat, edge=5.0), rods=(), rod_fields={})
     for elevation, colour in ((90.0, PLASTIC_SIDE), (-90.0, FABRIC_SIDE)):
         image = render(scene(shape), camera(-90, elevation, np.zeros(3)), pixels_per_mm=4.0)
         opaque = image[..., 3] > 0.5
@@ -78,8 +71,9 @@ def test_views_are_to_scale_and_each_side_has_its_colour() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.usefixtures("fine")
 def test_arms_are_seen_from_the_plastic_side_only_at_their_width() -> None:
-    shape = sheets.sheet(sheets.flat, edge=1.0)
+    shape = sheet(flat, edge=1.0)
     row = np.abs(shape.printed[:, 1] - shape.printed[np.linalg.norm(shape.printed, axis=1).argmin(), 1]) < 1e-9
     arm = np.flatnonzero(row & (np.abs(shape.printed[:, 0]) < 20))
     arm = arm[np.argsort(shape.printed[arm, 0])]
@@ -95,9 +89,8 @@ def test_arms_are_seen_from_the_plastic_side_only_at_their_width() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("rough")
 def test_a_held_sheet_keeps_z_upwards() -> None:
-    tilted = sheets.sheet(lambda p: np.column_stack([p[:, 0], p[:, 1] * 0.8, p[:, 1] * 0.6]), edge=5.0)
+    tilted = sheet(lambda p: np.column_stack([p[:, 0], p[:, 1] * 0.8, p[:, 1] * 0.6]), edge=5.0)
     level = replace(tilted, positions=tilted.positions @ np.array([[1, 0, 0], [0, 0.8, -0.6], [0, 0.6, 0.8]]))
     free = image_of(tilted)
     assert not np.array_equal(image_of(replace(tilted, held=True)), free)
@@ -119,7 +112,7 @@ def test_a_held_sheet_keeps_z_upwards() -> None:
     ],
 )
 def test_the_caption_says_what_is_known(said: dict[str, Any], words: str) -> None:
-    shape = sheets.sheet(sheets.dome, edge=5.0)
+    shape = sheet(dome, edge=5.0)
     assert "certified" not in caption(shape)
     known = {"energy_n_mm": 1835.7, "converged": True, "is_minimum": True} | said
     text = caption(replace(shape, summary=known)).replace("   ·   ", ", ")
@@ -127,17 +120,16 @@ def test_the_caption_says_what_is_known(said: dict[str, Any], words: str) -> Non
 
 
 @pytest.mark.slow
-@pytest.mark.usefixtures("rough")
 def test_names_are_printed_as_they_are_and_stay_on_the_picture() -> None:
     """Dollar signs and all: no mathematics."""
-    sheet = sheets.sheet(sheets.flat, edge=10.0)
-    image_of(sheet, title=r"$\frac{ été #1 %s")
+    plate = sheet(flat, edge=10.0)
+    image_of(plate, title=r"$\frac{ été #1 %s")
     ends = []
     for title in ("mmm", "$mmm$"):
-        ink = image_of(sheet, title=title)[20:80].min(axis=2) < 0.5
-        ends.append(np.flatnonzero(ink.any(axis=0)).max())
+        dark = image_of(plate, title=title)[20:80].min(axis=2) < 0.5
+        ends.append(np.flatnonzero(dark.any(axis=0)).max())
     assert ends[1] > ends[0] + 20
-    assert np.allclose(image_of(sheet, title="long name " * 20)[:, -20:], 1)
+    assert np.allclose(image_of(plate, title="long name " * 20)[:, -20:], 1)
 
 
 @pytest.mark.slow
@@ -145,26 +137,22 @@ def test_no_display_and_no_shared_state() -> None:
     program = (
         "import io, sys\n"
         "from asterism.draw.picture import draw_shape\n"
-        "from tests.asterism import sheets\n"
-        "draw_shape(sheets.sheet(sheets.dome, edge=10.0), 'dome', io.BytesIO())\n"
+        "from tests.asterism.sheets import dome, sheet\n"
+        "draw_shape(sheet(dome, edge=10.0), 'dome', io.BytesIO())\n"
         "assert 'matplotlib.pyplot' not in sys.modules\n"
     )
     run = subprocess.run([sys.executable, "-c", program], cwd=Path(__file__).parents[3], capture_output=True, text=True)
     assert (run.returncode, run.stdout, run.stderr) == (0, "", "")
 
 
-@pytest.fixture
-def only_the_usual_font(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_letter_is_a_box(monkeypatch: pytest.MonkeyPatch) -> None:
+    # with the usual font only
     monkeypatch.setattr(fonts, "OTHER_FAMILIES", ())
     for name in ("families", "_letters"):
         monkeypatch.setattr(fonts, name, getattr(fonts, name).__wrapped__)
-
-
-@pytest.mark.usefixtures("only_the_usual_font")
-def test_no_letter_is_a_box() -> None:
     assert fonts.printable("\u661f\u5f62 7") == "<U+661F><U+5F62> 7"
     assert [run for _, run in fonts.font_runs("\u661f 7", bold=True)] == ["<U+661F> 7"]
-    draw_shape(sheets.sheet(sheets.dome, edge=8.0), "\u661f", io.BytesIO())
+    draw_shape(sheet(dome, edge=8.0), "\u661f", io.BytesIO())
 
 
 @pytest.mark.parametrize("bold", [False, True])
@@ -178,7 +166,7 @@ PIXELS = (400, 300)
 
 
 @pytest.fixture
-def shape(rough: None) -> Shape:
+def shape() -> Shape:
     return replace(sheet(dome, 100.0, 80.0, 5.0), held=True)
 
 
@@ -243,8 +231,7 @@ def test_a_release_leads_from_the_print_to_the_shape_without_stretching_more_tha
 def test_the_command_writes_an_animated_release(shape: Shape, here: Path, cli: Cli) -> None:
     write_results(replace(shape, summary={"design": {"name": "dome", "pins": [{}]}}), here / "dome")
     words = ["picture", "dome", "--release", "--size", "200x150", "--plain"]
-    assert cli(words).status == 0
+    assert cli(words).done
     with Image.open("dome-release.gif") as image:
         assert image.n_frames == FRAMES and image.size == (200, 150)
-    refused = cli([*words, "--scale", "2"])
-    assert refused.status == 2 and "--scale" in refused.err
+    assert "--scale" in cli([*words, "--scale", "2"]).refusal

@@ -2,24 +2,16 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 import trimesh
 
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.fitting.disk import height_mesh
-from benchmarks.fit_targets import rectangle_mesh, round_mesh
+from benchmarks.fit_targets import cap_mesh, rectangle_mesh
 
-
-def spherical_cap(half_angle_deg: float, size_mm: float = 100.0, rings: int = 22) -> tuple[Floats, Ints]:
-    """A cap of a sphere that is `size_mm` wide."""
-    plane, triangles = round_mesh(rings)
-    half = np.deg2rad(half_angle_deg)
-    radius = 0.5 * size_mm / np.sin(min(half, 0.5 * np.pi))
-    angle, around = half * np.linalg.norm(plane, axis=1), np.arctan2(plane[:, 1], plane[:, 0])
-    heights = radius * np.cos(angle)
-    return radius * np.column_stack(
-        [np.sin(angle) * np.cos(around), np.sin(angle) * np.sin(around), heights / radius]
-    ), triangles
+spherical_cap = partial(cap_mesh, rings=22)
 
 
 def cylinder_part(radius: float, turn_rad: float, depth: float) -> tuple[Floats, Ints]:
@@ -46,20 +38,16 @@ def plate_with_hole(count: int) -> Mesh:
     return np.column_stack([plane, np.zeros(len(plane))]), triangles[keep]
 
 
-def moebius_strip() -> Mesh:
-    count = 60
+def moebius_strip(count: int = 60) -> Mesh:
     angle = np.arange(count) * 2.0 * np.pi / count
     rows = []
     for across in (-8.0, 8.0):
         radius = 40.0 + across * np.cos(0.5 * angle)
         rows.append(np.column_stack([radius * np.cos(angle), radius * np.sin(angle), across * np.sin(0.5 * angle)]))
-    triangles = []
-    for i in range(count):
-        a, b, c, d = i, i + count, (i + 1) % count, (i + 1) % count + count
-        if i == count - 1:
-            c, d = count, 0
-        triangles += [[a, c, b], [c, d, b]]
-    return np.concatenate(rows), np.array(triangles)
+    # after one turn the two sides of the strip have changed places
+    a, b = np.arange(count), np.arange(count) + count
+    c, d = np.append(a[1:], count), np.append(b[1:], 0)
+    return np.concatenate(rows), np.concatenate([np.column_stack([a, c, b]), np.column_stack([c, d, b])])
 
 
 def open_torus() -> Mesh:
@@ -79,15 +67,18 @@ def bow_tie() -> Mesh:
     return np.array(corners), np.array([[0, 2, 1], [0, 3, 4]])
 
 
+def strip(places: Floats) -> Mesh:
+    """A mesh of quadrilaterals cut in two, from places (m, n, 3)."""
+    number = np.arange(places[..., 0].size).reshape(places.shape[:2])
+    a, b, c, d = (part.ravel() for part in (number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]))
+    return places.reshape(-1, 3), np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
+
+
 def crossing_sheet() -> Mesh:
     # a strip that runs in a loop and passes through itself
     turn = np.linspace(-1.9, 1.9, 61)
     line = np.column_stack([40.0 * np.sin(2.0 * turn), 40.0 * turn**2])
-    across = np.linspace(-20.0, 20.0, 9)
-    vertices = np.array([[x, y, z] for x, z in line for y in across])
-    number = np.arange(len(vertices)).reshape(61, 9)
-    a, b, c, d = (part.ravel() for part in (number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]))
-    return vertices, np.concatenate([np.column_stack([a, b, c]), np.column_stack([a, c, d])])
+    return strip(np.array([[[x, y, z] for y in np.linspace(-20.0, 20.0, 9)] for x, z in line]))
 
 
 def dome(width: float = 80.0, rise: float = 10.0, points: int = 41) -> Mesh:

@@ -16,9 +16,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import array_shapes, arrays
 from PIL import Image
 
+from asterism import Error, load_target
 from asterism.equilibrium.arrays import Floats
-from asterism.equilibrium.errors import Error
-from asterism.fitting.target_files import load_target
 from tests.asterism.commands import Cli
 from tests.asterism.fitting.surfaces import (
     Mesh,
@@ -30,7 +29,6 @@ from tests.asterism.fitting.surfaces import (
     open_torus,
     plate_with_hole,
     sphere,
-    spherical_cap,
 )
 
 PICTURE = ("--heights-mm", "0", "12", "--extent-mm", "90")
@@ -90,12 +88,6 @@ def apart(gap: float) -> Mesh:
     is_left = vertices[triangles].mean(axis=1)[:, 0] < 0.0
     other = np.concatenate([vertices, vertices + np.array([gap, 0.0, 0.0])])
     return other, np.concatenate([triangles[is_left], triangles[~is_left] + len(vertices)])
-
-
-def spike() -> Mesh:
-    vertices, triangles = dome()
-    heights = vertices[:, 2] + 9.0 * np.exp(-((np.linalg.norm(vertices[:, :2], axis=1) / 8.0) ** 2))
-    return np.column_stack([vertices[:, :2], heights]), triangles
 
 
 def finger(height: float = 80.0) -> Mesh:
@@ -162,7 +154,6 @@ BROKEN_FILES = (
     BrokenTarget("grey.png", picture(GREYS), "extent_mm (--extent-mm) is missing", PICTURE[:3]),
     BrokenTarget("grey.png", picture(GREYS), "must be two different numbers", ("--heights-mm", "5", "5", *FIELD)),
     BrokenTarget("grey.png", picture(GREYS), "of mm above 0", ("--heights-mm", "0", "5", "--extent-mm", "-3")),
-    BrokenTarget("grey.png", picture(GREYS), "mm large, allowed are", ("--heights-mm", "0", "1", "--extent-mm", "1")),
     BrokenTarget("dome.stl", surface(dome), "belongs to pictures and arrays", PICTURE),
     BrokenTarget("field.npy", array(dome()[0]), "belongs to pictures", PICTURE),
     # no disk
@@ -179,16 +170,13 @@ BROKEN_FILES = (
     BrokenTarget("window.npy", array(WINDOW), "has 1 hole", FIELD),
     # wrong unit, or out of reach
     BrokenTarget("inches.stl", surface(dome), "mm large, allowed are 10 to 4000 mm", ("--unit", "m")),
-    BrokenTarget("small.stl", surface(lambda: scaled(dome(), 0.5)), "has room for", status=1),
-    BrokenTarget("spike.stl", surface(spike), "the target curves by 1/", status=1),
     BrokenTarget("hall.stl", surface(lambda: scaled(dome(), 18.0)), "make the target 1.7 times smaller", status=1),
     BrokenTarget("finger.stl", surface(finger), "must differ by a ratio", ("--nearest",), status=1),
-    BrokenTarget("hemisphere.stl", surface(lambda: spherical_cap(88.0, 110.0)), "must differ by a ratio", status=1),
 )  # fmt: skip
 
 
 IN_ONE_FOLDER = settings(
-    max_examples=30, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
+    max_examples=30, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
 )
 
 

@@ -3,26 +3,21 @@
 from __future__ import annotations
 
 import json
-import signal
-import subprocess
-import sys
-import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 import trimesh
 
+from asterism import Fit, FitSettings, Preview, TargetSurface, fit, load_design
 from asterism.fitting.first_guess import guess_design
-from asterism.fitting.fit import Fit, fit
 from asterism.fitting.residual import FitPlaces, Residual
-from asterism.fitting.target import TargetSurface
-from asterism.pattern.layout.build import layout, load_design
+from asterism.fitting.search import StarUnknowns, moves_at
+from asterism.pattern.layout.build import layout
 from asterism.previews.law_choice import paper_law
-from asterism.previews.session import Preview
+from asterism.previews.star_sensitivity import star_sensitivity
 from asterism.print.printer import load_printer
-from asterism.process.settings import FitSettings, SettingError
-from tests.asterism.commands import Cli
+from tests.asterism.commands import Cli, interrupted
 from tests.asterism.fitting.surfaces import spherical_cap
 
 PREVIEW = FitSettings(exact=False)
@@ -55,7 +50,6 @@ def test_a_fresh_preview_confirms_the_distance(fitted: Fit, target: TargetSurfac
 @pytest.mark.slow
 def test_sizes_are_printable(fitted: Fit) -> None:
     rounding = fitted.design.stars.rounding
-    assert rounding is not None
     plan = layout(fitted.design)
     layers = rounding.layers(plan.arm_thickness)
     assert np.abs(layers - np.rint(layers)).max() < 1e-6
@@ -95,9 +89,6 @@ def test_the_exact_model_corrects_the_fit(target: TargetSurface) -> None:
 
 
 def test_derivatives_of_the_residuals_are_the_limit_of_edits(target: TargetSurface) -> None:
-    from asterism.fitting.search import StarUnknowns, moves_at
-    from asterism.previews.star_sensitivity import star_sensitivity
-
     guess = guess_design(target, paper_law(), PREVIEW)
     plan = layout(guess.design)
     residual = Residual(target, FitPlaces.of(guess.target_map, plan.outline, plan.lattice_vectors), False)
@@ -114,22 +105,6 @@ def test_derivatives_of_the_residuals_are_the_limit_of_edits(target: TargetSurfa
     predicted = columns @ step[: len(plan.centres)]
     # the mean of the bumps is not differentiated
     assert np.linalg.norm(change - predicted) < 0.15 * np.linalg.norm(change)
-
-
-def test_wrong_arguments_are_refused_in_one_line(target: TargetSurface) -> None:
-    with pytest.raises(TypeError, match="TargetSurface is needed, not str"):
-        fit("cap.obj")  # type: ignore[arg-type]
-    with pytest.raises(TypeError, match="a FitSettings is needed"):
-        fit(target, {"needles": 8})  # type: ignore[arg-type]
-    for needles in (1, 2, -1, 2.5, 1001):
-        with pytest.raises(SettingError, match="needles = "):
-            FitSettings(needles=needles)  # type: ignore[arg-type]
-    with pytest.raises(SettingError, match="needles = 8: conflicts with border = True"):
-        FitSettings(needles=8, border=True)
-    with pytest.raises(SettingError, match="corrections = -1: must be a whole number from 0 to 20"):
-        FitSettings(corrections=-1)
-    with pytest.raises(SettingError, match=r"width_mm = -1\.0: must be a positive number"):
-        FitSettings(width_mm=-1.0)
 
 
 @pytest.mark.slow
@@ -152,15 +127,8 @@ def test_the_command_writes_a_design_and_its_evidence(tmp_path: Path, cli: Cli) 
 @pytest.mark.slow
 def test_an_interrupted_command_writes_the_best_design_until_then(tmp_path: Path) -> None:
     trimesh.Trimesh(*CAP, process=False).export(tmp_path / "cap.obj")
-    words = [sys.executable, "-m", "asterism", "fit", "cap.obj", "-o", "out.toml"]
-    with open(tmp_path / "errors", "w") as errors:
-        process = subprocess.Popen(words, cwd=tmp_path, stderr=errors)
-    while "iteration" not in (tmp_path / "errors").read_text():  # of the first exact shape
-        time.sleep(0.05)
-        assert process.poll() is None
-    process.send_signal(signal.SIGINT)
-    assert process.wait(timeout=600) == 130
-    lines = (tmp_path / "errors").read_text().splitlines()
+    # of the first exact shape
+    lines = interrupted(["fit", "cap.obj", "-o", "out.toml"], tmp_path, lambda said: "iteration" in said)
     assert lines[-2].startswith("asterism: interrupted: the design is the best one until then")
     assert lines[-1] == "asterism: interrupted"
     summary = json.loads((tmp_path / "out-fit" / "summary.json").read_text())

@@ -9,20 +9,16 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from asterism import Design, FitSettings, Preview, TargetSurface, fit
 from asterism.equilibrium.arrays import Floats
 from asterism.fitting.disk import TargetError
 from asterism.fitting.first_guess import FirstGuess, guess_design
-from asterism.fitting.fit import fit
 from asterism.fitting.residual import FitDistance, FitPlaces, Residual, SheetState
 from asterism.fitting.search import moves_at
-from asterism.fitting.target import TargetSurface
-from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.layout.build import layout
 from asterism.previews.law_choice import paper_law
-from asterism.previews.session import Preview
 from asterism.previews.star_sensitivity import star_sensitivity
-from asterism.process.settings import FitSettings
 from tests.asterism.sheets import sheet
 
 RIGHT = "1 + 7*(x > 5)"
@@ -48,10 +44,6 @@ def residual_of(target: TargetSurface, guess: FirstGuess, is_free: bool) -> Resi
     return Residual(target, FitPlaces.of(guess.target_map, plan.outline, plan.lattice_vectors), is_free)
 
 
-def shown_state(residual: Residual, preview: Preview) -> SheetState:
-    return residual.at(preview.lens(residual.places.points)())
-
-
 def normal_mm(target: TargetSurface, state: SheetState) -> Floats:
     return np.asarray(np.einsum("nc,nc->n", state.places - target.nearest(state.places).places, state.frame[:, 0]))
 
@@ -62,7 +54,6 @@ def test_a_formula_is_in_the_coordinates_of_the_file(target: TargetSurface) -> N
     vertices = 0.5 * target.disk.vertices @ turned.T + np.array([300.0, 0.0, 40.0])
     placed = TargetSurface.of_triangles(vertices, target.disk.triangles, size_mm=target.diameter_mm, side="other")
     weight = placed.weighted("1 + (x > 300) + 0*z").weight
-    assert weight is not None
     right = vertices[:, 0] > 300.0 + 1e-6
     assert set(weight[right]) == {2.0} and 1.0 in set(weight[~right])
 
@@ -94,19 +85,12 @@ def test_other_weights_are_refused_in_one_line(target: TargetSurface, weight: An
     assert "\n" not in str(error.value)
 
 
-def test_equal_weights_change_nothing(target: TargetSurface, guess: FirstGuess, preview: Preview) -> None:
-    plain = shown_state(residual_of(target, guess, False), preview)
-    seven = shown_state(residual_of(target.weighted("7"), guess, False), preview)
-    np.testing.assert_allclose(seven.values, plain.values, rtol=1e-12)
-    assert plain.rms_mm == pytest.approx(np.sqrt((normal_mm(target, plain) ** 2).mean()), rel=1e-12)
-
-
 @pytest.mark.parametrize("is_free", [False, True])
 def test_residuals_and_their_derivatives_have_the_weights(
     target: TargetSurface, guess: FirstGuess, preview: Preview, is_free: bool
 ) -> None:
     weighted, plain = residual_of(target.weighted(RIGHT), guess, is_free), residual_of(target, guess, is_free)
-    state = shown_state(weighted, preview)
+    state = weighted.at(preview.lens(weighted.places.points)())
     weight = weighted.target.weight_at(weighted.places.goals[: weighted.places.count])
     by_hand = np.sqrt(weight @ normal_mm(target, state) ** 2 / weight.sum())
     assert state.rms_mm == pytest.approx(by_hand, rel=1e-12)
@@ -138,7 +122,6 @@ def test_the_distance_by_weights_is_that_of_the_heavy_part_in_the_limit() -> Non
 
 def test_the_design_keeps_the_weights_of_its_sites(target: TargetSurface, guess: FirstGuess) -> None:
     plan, design = layout(guess.design), guess_design(target.weighted(RIGHT), paper_law()).design
-    assert design.fit is not None
     places = guess.target_map.places(plan.lattice.place(np.array([entry.site for entry in design.fit.weights])))
     in_file = np.linalg.solve(target.motion, (places - target.shift_mm).T).T
     assert len(places) > 4 and in_file[:, 0].min() > 2.0

@@ -11,13 +11,12 @@ import numpy as np
 import pytest
 from matplotlib.lines import Line2D
 
+from asterism import Design, load_law
 from asterism.equilibrium.arrays import Floats
-from asterism.homogenize.law.law_file import load_law
 from asterism.homogenize.law.motif_law import MotifLaw
 from asterism.homogenize.law.star_law import StarLaw
 from asterism.homogenize.law.tensor_forms import TO_VOIGT, SheetTensors
 from asterism.laws.law import MOTIF_CHARTS, held_out_warning, law_figure, law_lines, stretch_axes, values_along
-from asterism.pattern.design.design import Design
 from tests.homogenize import same_process
 from tests.homogenize.motif_laws import LEAST_THICKNESS, learned_law
 from tests.homogenize.motifs import grid

@@ -21,18 +21,14 @@ def no_profiles_of_the_user(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> 
 
 
 @pytest.fixture
-def as_it_is(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, cli: Cli) -> Run:
-    """The command line in the test's folder."""
-    monkeypatch.chdir(tmp_path)
-    return lambda *words: cli(list(words))
+def run(here: Path, cli: Cli, monkeypatch: pytest.MonkeyPatch) -> Run:
+    """The command line in the test's folder, with letters as drawings in PDF.
 
-
-@pytest.fixture
-def run(as_it_is: Run, monkeypatch: pytest.MonkeyPatch) -> Run:
-    """The same with letters as drawings in PDF: to take from a font what is used is most of the time of an export."""
+    To take from a font what is used is most of the time of an export.
+    """
     settings = matplotlib.rc_context
     monkeypatch.setattr(matplotlib, "rc_context", lambda given: settings({**given, "pdf.fonttype": 3}))
-    return as_it_is
+    return lambda *words: cli(list(words))
 
 
 @pytest.fixture

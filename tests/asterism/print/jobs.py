@@ -5,11 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from asterism.pattern.design.design import Design
+from asterism import Design, ExportSettings, Shape
 from asterism.print.job import Job, prepare
 from asterism.print.printer import load_plastic, load_printer
-from asterism.process.settings import ExportSettings
-from asterism.shape.shape import Shape
 from tests.asterism.commands import Outcome
 
 SMALL: dict[str, Any] = {
@@ -62,27 +60,3 @@ def job(
 
 
 Run = Callable[..., Outcome]
-
-ALWAYS = {
-    "border.stl",
-    "export.json",
-    "instructions.pdf",
-    "instructions.txt",
-    "layout.dxf",
-    "layout.pdf",
-    "layout.svg",
-    "print.3mf",
-    "rounded.toml",
-    "stars.lua",
-    "stars.scad",
-    "stars.stl",
-    "start.gcode",
-}
-PINNED = {"needles.csv", "needles.dxf", "needles.svg"}
-SHAPE = {"shape.obj", "shape.stl", "shape.glb", "shape.vtu", "rods.vtu"}
-
-
-def mistake(ended: Outcome) -> str:
-    """The one line of a refused command."""
-    assert ended.status == 2, ended.err
-    return ended.line

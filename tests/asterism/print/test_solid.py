@@ -87,7 +87,6 @@ def test_a_tapered_arm_is_a_staircase_of_whole_layers() -> None:
 def test_the_printed_border_stays_outside_the_sheet_and_clear_of_stars() -> None:
     plan = job(design(pins=[]))
     sheet = shapely.Polygon(plan.plan.outline)
-    assert plan.border is not None
     assert plan.border.region.intersection(sheet).area < 1e-3 * plan.border.region.area
     assert plan.border.region.distance(plan.pattern[0].region) >= plan.rounding.line_mm - 0.002
     assert plan.border.region.area == pytest.approx(sheet.length * plan.rounding.line_mm, rel=0.02)

@@ -46,7 +46,6 @@ def fresh(folder: Path, name: str) -> ModuleType:
     if not path.exists():
         path.write_text(SOURCE)
     spec = importlib.util.spec_from_file_location(name, path)
-    assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module

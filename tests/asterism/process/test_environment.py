@@ -27,7 +27,7 @@ def run(folder: Path, *words: str, before: str = "", **environment: str) -> subp
     return subprocess.run(
         [sys.executable, "-c", program, *words],
         cwd=folder,
-        env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[3]), **environment},
+        env={**os.environ, **environment},
         capture_output=True,
         text=True,
         timeout=300,
@@ -71,10 +71,9 @@ def test_without_a_home(folder: Path) -> None:
 @pytest.mark.skipif(os.name == "nt", reason="the streams of Windows are others")
 @pytest.mark.parametrize(("name", "status"), [("d.toml", 0), ("none.toml", 2)])
 def test_a_closed_standard_error(name: str, status: int, folder: Path) -> None:
-    words = [sys.executable, "-c", "from asterism.cli.main import main; main()", "preview", name]
-    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[3])}
+    words = [sys.executable, "-m", "asterism", "preview", name]
     closed = ["sh", "-c", 'exec "$@" 2>&-', "sh", *words]
-    done = subprocess.run(closed, cwd=folder, env=environment, stdout=subprocess.PIPE, text=True, timeout=300)
+    done = subprocess.run(closed, cwd=folder, stdout=subprocess.PIPE, text=True, timeout=300)
     assert done.returncode == status and ("height" in done.stdout) == (status == 0)
 
 

@@ -53,13 +53,15 @@ def cut(*words: str) -> CutSettings:
     return found[0]
 
 
-def test_fields_are_options() -> None:
+def test_fields_are_options_and_sizes_are_read() -> None:
     assert cut() == CutSettings()
     words = ["--sheet", "300x250", "--depth", "2", "--pass", "0.5", "--pass", "1", "--blade", "knife", "--is-wet"]
     assert cut(*words) == CutSettings(
         sheet_mm=(300.0, 250.0), depth_mm=2.0, passes=(0.5, 1.0), blade="knife", is_wet=True
     )
     assert cut("--sheet", "80").sheet_mm == (80.0, 80.0)
+    with pytest.raises(typer.BadParameter, match="must be width x depth, such as 300x250, not '3x'"):
+        cut("--sheet", "3x")
 
 
 @pytest.mark.parametrize(
@@ -78,8 +80,3 @@ def test_python_and_the_command_name_the_option(wrong: dict[str, Any], line: str
     with pytest.raises(DesignError) as caught:
         CutSettings(**wrong)
     assert str(caught.value) == line
-
-
-def test_sizes_that_are_none_are_refused() -> None:
-    with pytest.raises(typer.BadParameter, match="must be width x depth, such as 300x250, not '3x'"):
-        cut("--sheet", "3x")

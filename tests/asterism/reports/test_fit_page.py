@@ -12,51 +12,18 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from asterism.fitting.first_guess import guess_design
-from asterism.fitting.fit import Fit
-from asterism.fitting.residual import FitPlaces, Residual, target_distance
-from asterism.fitting.target import TargetSurface
-from asterism.pattern.layout.build import layout
-from asterism.previews.law_choice import paper_law
-from asterism.previews.session import preview
+from asterism import Fit, FitSettings, TargetSurface, fit
 from asterism.reports.fit_page import fit_page, remainder, star_contractions
-from asterism.results.records.fit import FitRecord, TargetDistanceRecord
+from asterism.results.records.fit import TargetDistanceRecord
 from tests.asterism.fitting.surfaces import spherical_cap
 
 NAME = '<b>"cap"</b> & </title><script>document.title = "broken"</script>'
 
 
-def distances(mean: float, surface: float, largest: float = 2.0) -> TargetDistanceRecord:
-    return TargetDistanceRecord(
-        mean_percent=mean,
-        weighted_percent=mean,
-        surface_percent=surface,
-        largest_percent=largest,
-        largest_at_mm=[0.0, 0.0, 0.0],
-        is_minimum=True,
-    )
-
-
 @pytest.fixture(scope="module")
 def fitted() -> Fit:
-    """A first guess in place of a fit, which takes longer."""
-    target = TargetSurface.of_triangles(*spherical_cap(30.0, 84.0), name=NAME)
-    guess = guess_design(target, paper_law())
-    shape, plan = preview(guess.design), layout(guess.design)
-    residual = Residual(target, FitPlaces.of(guess.target_map, plan.outline, plan.lattice_vectors), not plan.pins)
-    away = target_distance(shape, residual, plan.lattice_vectors)
-    record = away.record
-    reach = {name: value for name, value in vars(guess.reach).items() if name != "warnings"}
-    unset = dict.fromkeys(("unrounded", "exact", "other_exact", "exact_agrees", "rounding_loss_percent"))
-    numbers = {"diameter_mm": target.diameter_mm, "stretch": guess.menu.stretch, "within_percent": 1.0}
-    counts = {"stars": len(plan.centres), "needles": len(plan.pin_points), "restarts": 0, "share_at_bounds": 0.0}
-    pose = {"motion": target.motion.tolist(), "shift_mm": target.shift_mm.tolist()}
-    flags = {"interrupted": False, "held_border": False, "reached": True}
-    words = {"model": "fit", "target": NAME, "warnings": ["a <line> that limits"], "version": "0"}
-    lists = {"steps": [], "corrections": [], "design": guess.design.to_dict()}
-    known = {"first_guess": record, "preview": record, **reach}
-    summary = FitRecord(**unset, **numbers, **counts, **pose, **flags, **words, **lists, **known)
-    return Fit(guess.design, target, guess, shape, None, away, summary)
+    target = TargetSurface.of_triangles(*spherical_cap(30.0, 68.0), name=NAME)
+    return with_numbers(fit(target, FitSettings(exact=False)), warnings=["a <line> that limits"])
 
 
 def with_numbers(fitted: Fit, **values: Any) -> Fit:
@@ -83,6 +50,9 @@ def without_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.usefixtures("without_pictures")
 def test_parts_add_up_to_the_distance(fitted: Fit) -> None:
+    def distances(mean: float, surface: float) -> TargetDistanceRecord:
+        return fitted.summary.preview | {"mean_percent": mean, "surface_percent": surface}
+
     values = {
         "unrounded": distances(0.2, 0.3),
         "preview": distances(0.25, 0.35),

@@ -13,13 +13,11 @@ import numpy as np
 import pytest
 from PIL import Image
 
+from asterism import Design, Verification, preview, read_shape, verify, write_verification
 from asterism.exact.simulation import exact_shape
-from asterism.pattern.design.design import Design
-from asterism.previews.session import preview
 from asterism.process.version import __version__
-from asterism.reports.verification_page import verification_page, write_verification
-from asterism.shape.vtu import read_shape, write_shape_vtu
-from asterism.verification.verify import Verification, verify
+from asterism.reports.verification_page import verification_page
+from asterism.shape.vtu import write_shape_vtu
 from tests.asterism.previews.laws import plain_law
 from tests.asterism.verification.printed import design
 
@@ -94,7 +92,7 @@ def test_both_shapes_of_a_verification_can_be_read_again(found, folder):
     assert preview.summary == found.summary["preview"]
 
 
-def test_page_needs_nothing_else(found, folder):
+def test_page_needs_nothing_else(folder):
     text = (folder / "report.html").read_text(encoding="utf-8")
     assert "<script" not in text
     assert "&lt;b&gt;&quot;stars&quot;&lt;/b&gt; &amp;" in text

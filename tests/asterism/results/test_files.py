@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import signal
 import subprocess
@@ -29,13 +30,6 @@ def contents(directory: Path) -> dict[str, str]:
 
 def whole(content: str) -> dict[str, str]:
     return dict.fromkeys(NAMES, content)
-
-
-def test_files_replace_earlier_ones_and_leave_others(tmp_path: Path) -> None:
-    write(tmp_path, "old")
-    (tmp_path / "notes.txt").write_text("mine")
-    write(tmp_path, "new")
-    assert contents(tmp_path) == whole("new") | {"notes.txt": "mine"}
 
 
 def test_new_directories_have_ordinary_permissions(tmp_path: Path) -> None:
@@ -67,28 +61,31 @@ def test_a_real_failing_write(tmp_path: Path) -> None:
         "    with staged('old') as folder: (folder / 'shape.vtu').write_bytes(bytes(100_000))\n"
         "except OutputError as error: print(error)\n"
     )
-    run = subprocess.run(
-        [sys.executable, "-c", program],
-        cwd=tmp_path,
-        env={**os.environ, "PYTHONPATH": str(Path(__file__).parents[3])},
-        capture_output=True,
-        text=True,
-    )
+    run = subprocess.run([sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True)
     assert run.stdout.strip() == "cannot write old: the file would be larger than allowed", run.stderr
     assert contents(tmp_path) == {f"old/{name}": "old" for name in NAMES}
 
 
-def test_things_in_the_way_are_named(tmp_path: Path) -> None:
+def test_things_in_the_way_and_names_that_are_too_long_are_named(tmp_path: Path) -> None:
     (tmp_path / "file").write_text("mine")
     for target in (tmp_path / "file", tmp_path / "file" / "deep" / "er"):
         with pytest.raises(OutputError, match=r"^cannot write .*file.*: a file is in the way$"):
             check_writable(target)
+    (tmp_path / "link").symlink_to("nowhere")
+    with pytest.raises(OutputError, match=r"link: a file is in the way$"):
+        check_writable(tmp_path / "link")
     (tmp_path / "results" / "shape.vtu").mkdir(parents=True)
     with pytest.raises(OutputError, match=r"shape\.vtu: a folder is in the way$"):
         write(tmp_path / "results", "new")
     with pytest.raises(OutputError, match=r"results: a folder is in the way$"):
         check_writable(tmp_path, "results")
     assert contents(tmp_path) == {"file": "mine"}
+    name = 300 * "x"
+    for too_long in ((tmp_path / name,), (tmp_path / "new", name)):
+        with pytest.raises(OutputError, match=rf"^cannot write .*{name}: the name is too long$"):
+            check_writable(*too_long)
+    check_writable(tmp_path / "a" / "b")
+    assert not (tmp_path / "a").exists() and not (tmp_path / "new").exists()
 
 
 @pytest.mark.parametrize("name", ["shape.png", "minimum-2.vtu"])
@@ -117,15 +114,6 @@ def test_a_summary_of_somebody_else_is_not_written_over(tmp_path: Path) -> None:
     check_writable(tmp_path)
 
 
-def test_a_name_that_is_too_long_is_named(tmp_path: Path) -> None:
-    name = 300 * "x"
-    for check in (lambda: check_writable(tmp_path / name), lambda: check_writable(tmp_path / "new", name)):
-        with pytest.raises(OutputError, match=rf"^cannot write .*{name}: the name is too long$"):
-            check()
-    check_writable(tmp_path / "a" / "b")
-    assert list(tmp_path.iterdir()) == []
-
-
 def killed_at(directory: Path, moment: str) -> None:
     """A process writes new files, and is killed at the third call of a function of `os`."""
     program = (
@@ -140,8 +128,7 @@ def killed_at(directory: Path, moment: str) -> None:
         f"with staged_result({str(directory)!r}) as folder:\n"
         f"    for name in {NAMES!r}: (folder / name).write_text('new')\n"
     )
-    environment = {**os.environ, "PYTHONPATH": str(Path(__file__).parents[3])}
-    assert subprocess.run([sys.executable, "-c", program], env=environment).returncode == -signal.SIGKILL
+    assert subprocess.run([sys.executable, "-c", program]).returncode == -signal.SIGKILL
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such kill")
@@ -166,3 +153,48 @@ def test_files_have_the_permissions_that_the_user_gives_new_files(tmp_path: Path
     finally:
         os.umask(before)
     assert {file.stat().st_mode & 0o777 for file in tmp_path.iterdir()} == {0o600}
+
+
+KINDS = {
+    "simulate": {"summary.json", "shape.vtu", "rods.vtu", "shape.obj", "shape.png", "minimum-2.vtu", "minimum-2.png"},
+    "verify": {"summary.json", "report.html", "exact.vtu", "preview.vtu", "exact.obj", "preview.obj"},
+    "compare": {"summary.json", "compare.png"},
+    "law show": {"summary.json", "law.png"},
+}
+MINE = {"notes.txt", "my shape.vtu", "shape.vtu.bak", "shape.stl", "export.json", "minimum-2.txt"}
+
+
+def fill(folder: Path, names: set[str], content: str = "old") -> None:
+    for name in names:
+        (folder / name).write_text(content)
+
+
+@pytest.mark.parametrize("after", KINDS)
+def test_one_kind_is_left(after: str, tmp_path: Path) -> None:
+    fill(tmp_path, set().union(*KINDS.values()) | MINE)
+    with staged_result(tmp_path) as folder:
+        fill(folder, KINDS[after], "new")
+    assert contents(tmp_path) == dict.fromkeys(KINDS[after], "new") | dict.fromkeys(MINE, "old")
+
+
+def test_a_full_disk_leaves_the_other_kind_whole(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    fill(tmp_path, KINDS["verify"])
+    move = os.replace
+
+    def full(source: Path, target: Path) -> None:
+        if target == tmp_path / "compare.png":
+            raise OSError(errno.ENOSPC, "No space left on device")
+        move(source, target)
+
+    monkeypatch.setattr(os, "replace", full)
+    with pytest.raises(OutputError, match="the disk is full"), staged_result(tmp_path) as folder:
+        fill(folder, KINDS["compare"], "new")
+    assert contents(tmp_path) == dict.fromkeys(KINDS["verify"], "old")
+
+
+def test_a_folder_that_holds_no_result_keeps_its_files(tmp_path: Path) -> None:
+    """A report of something else, in the folder where results are now written."""
+    fill(tmp_path, {"report.html", "cells.csv"})
+    with staged_result(tmp_path) as folder:
+        fill(folder, KINDS["compare"], "new")
+    assert contents(tmp_path) == dict.fromkeys(KINDS["compare"], "new") | {"report.html": "old", "cells.csv": "old"}

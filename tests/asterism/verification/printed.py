@@ -7,11 +7,10 @@ from typing import Any
 
 import numpy as np
 
+from asterism import Design, Shape
 from asterism.equilibrium.arrays import Floats
-from asterism.pattern.design.design import Design
 from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.meshing import mesh_layout
-from asterism.shape.shape import Shape
 
 
 def design(**sections: Any) -> Design:

@@ -1,4 +1,4 @@
-"""Files of scans: what is read, and one line for everything else."""
+"""Files of scans and of outlines: what is read, one line for everything else. An outline is laid on a silhouette."""
 
 from __future__ import annotations
 
@@ -8,10 +8,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import shapely
 import trimesh
 
+from asterism.measure.outline import fit_outline, read_outline, silhouette
 from asterism.measure.scan import ScanError, check_size, extents, read_scan, read_surface, surface_samples
+from asterism.results.csv_table import TableError
 from tests.asterism.measure.compare.scans import bent_sheet
+from tests.asterism.sheets import dome, flat, sheet, tube
 
 SHAPE = bent_sheet(5.0)
 MESH = trimesh.Trimesh(SHAPE.positions, SHAPE.triangles, process=False)
@@ -28,15 +32,6 @@ def test_meshes(name: str, tmp_path: Path) -> None:
     assert len(scan.points) == 20_000
 
 
-def test_clouds_are_no_surfaces(tmp_path: Path) -> None:
-    trimesh.PointCloud(SHAPE.positions).export(tmp_path / "a.ply")
-    with pytest.raises(ScanError, match="points without triangles"):
-        read_surface(tmp_path / "a.ply")
-    for name, said in (("a.svg", "must end in"), ("a.obj", "not there")):
-        with pytest.raises(ScanError, match=said):
-            read_surface(tmp_path / name)
-
-
 @pytest.mark.parametrize("name", ["a.obj", "a.ply"])
 def test_clouds(name: str, tmp_path: Path) -> None:
     trimesh.PointCloud(SHAPE.positions).export(tmp_path / name)
@@ -46,37 +41,12 @@ def test_clouds(name: str, tmp_path: Path) -> None:
     np.testing.assert_allclose(np.sort(scan.points, axis=0), 10 * places, rtol=1e-6, atol=1e-4)
 
 
-def test_several_parts_and_polygons(tmp_path: Path) -> None:
-    corners = "v 0 0 0\nv 50 0 0\nv 50 50 0\nv 0 50 0\nv 0 0 9\nv 50 0 9\nv 50 50 9\n"
-    (tmp_path / "a.obj").write_text(corners + "o one\nf 1 2 3 4\no two\nf 5 6 7\n")
-    assert read_scan(tmp_path / "a.obj").triangles == 3
-
-
 def test_samples_are_spread_by_area() -> None:
     points, which = surface_samples(SHAPE.positions, SHAPE.triangles, 50_000, np.random.default_rng(0))
     share = np.bincount(which, minlength=len(SHAPE.triangles)) / len(points)
     np.testing.assert_allclose(share, MESH.area_faces / MESH.area, atol=4.1e-5)
     nearest = trimesh.triangles.closest_point(SHAPE.positions[SHAPE.triangles[which]], points)
     assert np.abs(nearest - points).max() < 1e-9
-
-
-@pytest.mark.parametrize(
-    ("name", "content", "problem"),
-    [
-        ("a.obj", b"", "holds no points"),
-        ("a.stl", b"", "0 bytes"),
-        ("a.ply", b"", "cannot be read as PLY"),
-        ("a.obj", b"\x00\xff\xfe\x12", "cannot be read as OBJ"),
-        ("a.obj", b"v 1 2 3\n" * 40, "too few points"),
-        ("a.obj", "".join(f"v {k} {2 * k} 1e-6\n" for k in range(40)).encode(), "on one line"),
-        ("a.obj", b"v 1 2 nan\nv 0 0 1\n", "finite"),
-    ],
-)
-def test_mistakes(name: str, content: bytes, problem: str, tmp_path: Path) -> None:
-    (tmp_path / name).write_bytes(content)
-    with pytest.raises(ScanError, match=problem) as caught:
-        read_scan(tmp_path / name)
-    assert name in str(caught.value) and "\n" not in str(caught.value)
 
 
 @pytest.mark.parametrize(
@@ -133,6 +103,8 @@ def stl_text(name: str = "a") -> bytes:
     return f"solid {name}\n{facets}endsolid {name}\n".encode("latin-1")
 
 
+SVG = '<svg xmlns="http://www.w3.org/2000/svg" {size}>{body}</svg>'
+RECT = '<rect x="10" y="10" width="50" height="20"/>'
 OBJ, PLY = obj_text(), ply_text()
 VERTICES = OBJ.partition(b"f ")[0].lstrip()
 LOOP = b"solid a\nfacet normal 0 0 1\nouter loop\n%bendloop\nendfacet\nendsolid a"
@@ -141,6 +113,13 @@ LOOP = b"solid a\nfacet normal 0 0 1\nouter loop\n%bendloop\nendfacet\nendsolid 
 @pytest.mark.parametrize(
     ("name", "content", "expected"),
     [
+        ("a.obj", b"", "holds no points"),
+        ("a.stl", b"", "0 bytes"),
+        ("a.ply", b"", "cannot be read as PLY"),
+        ("a.obj", b"\x00\xff\xfe\x12", "cannot be read as OBJ"),
+        ("a.obj", b"v 1 2 3\n" * 40, "too few points"),
+        ("a.obj", "".join(f"v {k} {2 * k} 1e-6\n" for k in range(40)).encode(), "on one line"),
+        ("a.obj", b"v 1 2 nan\nv 0 0 1\n", "finite"),
         # three short lines of two numbers make two vertices for a parser that only counts numbers
         *(("a.obj", VERTICES + n * line, "line 26") for line in (b"v 1 2\n", b"v\n", b"v 1 2 x\n") for n in (1, 3)),
         ("a.obj", OBJ + b"f 0 1 2", "line 43: the face has the vertex 0, but vertices are numbered from 1 to 25"),
@@ -157,15 +136,29 @@ LOOP = b"solid a\nfacet normal 0 0 1\nouter loop\n%bendloop\nendfacet\nendsolid 
         ("a.stl", LOOP % b"vertex 0 0 0\nvertex 1 0 x\nvertex 0 1 0\n", "line 5: 'x' is not a number"),
         ("a.stl", LOOP % b"vertex 0 0 0\nvertex 1 0 0\n", "line 6: a triangle needs 3"),
         ("a.stl", stl_binary()[:500], "8 of 16 triangles"),
+        ("a.svg", SVG.format(size='width="10cm" height="10cm"', body=RECT).encode(), "its own size: --units"),
+        ("a.svg", SVG.format(size="", body="").encode(), "no line"),
+        ("a.svg", b"<html></html>", "is not a drawing in SVG"),
+        ("a.csv", b"x_mm,y_mm\n0,0\n10,10\n10,0\n0,10\n", "crosses itself"),
+        ("a.csv", b"x_mm,y_mm\n0,0\n10,10\n", "at least three"),
+        ("a.csv", b"x_mm,y_mm\n1," + b"9" * 140_000, "row 2: field larger"),
+        ("a.csv", b"x_mm,y_mm\n1,nan\n", "row 2, column y_mm: nan is not a finite number"),
     ],
 )
-def test_what_is_damaged_is_named_with_its_place(name: str, content: bytes, expected: str, tmp_path: Path) -> None:
+def test_mistakes_and_damages_are_named_with_their_place(
+    name: str, content: bytes, expected: str, tmp_path: Path
+) -> None:
     (tmp_path / name).write_bytes(content)
-    with pytest.raises(ScanError, match=re.escape(expected)):
-        read_scan(tmp_path / name)
+    read = read_outline if name.endswith((".svg", ".csv")) else read_scan
+    with pytest.raises((ScanError, TableError), match=re.escape(expected)) as caught:
+        read(tmp_path / name, "cm")
+    assert name in str(caught.value) and "\n" not in str(caught.value)
 
 
-def test_textures_and_colours_are_passed_over(tmp_path: Path) -> None:
+def test_parts_and_polygons_count_and_textures_and_colours_are_passed_over(tmp_path: Path) -> None:
+    corners = "v 0 0 0\nv 50 0 0\nv 50 50 0\nv 0 50 0\nv 0 0 9\nv 50 0 9\nv 50 50 9\n"
+    (tmp_path / "parts.obj").write_text(corners + "o one\nf 1 2 3 4\no two\nf 5 6 7\n")
+    assert read_scan(tmp_path / "parts.obj").triangles == 3
     (tmp_path / "a.obj").write_bytes(OBJ + b"f 4/1/1 5//2 -1")
     (tmp_path / "b.obj").write_bytes(VERTICES.replace(b"\n", b" 0.5 0.5 0.5\n"))
     scans = [read_scan(tmp_path / name) for name in ("a.obj", "b.obj")]
@@ -229,3 +222,56 @@ def test_odd_headers_and_lists_of_a_ply_end_in_one_line(content: bytes, old: byt
     if old in content:
         with pytest.raises(ScanError, match=r"a\.ply: "):
             read_surface(tmp_path / "a.ply")
+
+
+@pytest.mark.parametrize(
+    ("size", "scale"),
+    [
+        ('width="100mm" height="100mm" viewBox="0 0 100 100"', 1.0),
+        ('width="100mm" height="80mm"', 25.4 / 96),  # without a viewBox a unit is a pixel, whatever the size
+        ('viewBox="0 0 100 100"', 1.0),
+    ],
+)
+def test_svg_in_mm(size: str, scale: float, tmp_path: Path) -> None:
+    (tmp_path / "a.svg").write_text(SVG.format(size=size, body=RECT + '<circle cx="2" cy="2" r="1"/>'))
+    outline = read_outline(tmp_path / "a.svg")
+    corners = outline.corners
+    # y upwards, and the larger one of both
+    assert outline.lines == 2 and (outline.unit is None) == ("width" in size)
+    np.testing.assert_allclose(corners.min(axis=0), [10 * scale, -30 * scale], rtol=1e-5)
+    np.testing.assert_allclose(corners.max(axis=0), [60 * scale, -10 * scale], rtol=1e-5)
+
+
+def test_csv(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text("x_mm;y_mm\n0;0\n10;0\n10;10\n0;0\n")
+    np.testing.assert_array_equal(read_outline(tmp_path / "a.csv", "cm").corners, [[0, 0], [100, 0], [100, 100]])
+
+
+def test_silhouettes() -> None:
+    plate = sheet(flat, 100, 80, 5.0)
+    assert shapely.Polygon(silhouette(plate, "above")).area == pytest.approx(8000, rel=1e-3)
+    # a spiral that is seen from its end is a line, drawn around on both sides
+    rolled = shapely.Polygon(silhouette(sheet(tube, 100, 80, 3.0), "side"))
+    assert rolled.length == pytest.approx(2 * 80, rel=0.05)
+    low = silhouette(sheet(dome, 100, 80, 3.0), "front")
+    assert np.ptp(low[:, 0]) > 2 * np.ptp(low[:, 1])
+
+
+@pytest.mark.slow
+def test_known_motions_are_undone_and_mirrored_outlines_stay_mirrored() -> None:
+    turn = 2.0
+    corners = np.array([[0, 0], [90, 0], [90, 40], [40, 60], [0, 40]], dtype=float)
+    cos, sin = np.cos(turn), np.sin(turn)
+    found = fit_outline(corners @ np.array([[cos, sin], [-sin, cos]]) + [300, -20], corners)
+    np.testing.assert_allclose(found.outline, corners, atol=0.05)
+    assert np.abs(found.distance).max() < 0.05 and found.missed.max() < 0.05
+    corners[-1] = [0, 20]
+    assert np.abs(fit_outline(corners * [-1, 1], corners).distance).max() > 3
+
+
+@pytest.mark.slow
+def test_a_larger_outline_is_outside() -> None:
+    corners = np.array([[0, 0], [90, 0], [90, 40], [0, 40]], dtype=float)
+    larger = shapely.get_coordinates(shapely.buffer(shapely.Polygon(corners), 2.0, join_style="mitre"))[:-1]
+    assert fit_outline(larger, corners).distance.mean() == pytest.approx(2.0, abs=0.1)
+    assert fit_outline(corners, larger).distance.mean() == pytest.approx(-2.0, abs=0.1)

@@ -57,19 +57,11 @@ def synthetic_readings(
     if step_mm:
         sides = step_mm * np.round(sides / step_mm)
     bent = arc_curvature(*sides)
-    return [
-        Reading(
-            str(i + 1),
-            i + 2,
-            float(h),
-            length,
-            stretch,
-            fabric_mm,
-            bool(peeled),
-            None if sides[1, i, peeled] <= flat_mm else float(bent[i, peeled]),
-            step_mm=step_mm,
-            direction=("along" if along[i] else "across") if moduli else None,
-        )
-        for i, h in enumerate(thicknesses)
-        for peeled in (0, 1)
-    ]
+    readings = []
+    for i, h in enumerate(thicknesses):
+        direction = ("along" if along[i] else "across") if moduli else None
+        for peeled in (0, 1):
+            curvature = None if sides[1, i, peeled] <= flat_mm else float(bent[i, peeled])
+            strip = (str(i + 1), i + 2, float(h), length, stretch, fabric_mm, bool(peeled))
+            readings.append(Reading(*strip, curvature, step_mm=step_mm, direction=direction))
+    return readings

@@ -12,13 +12,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import binom
 
-from asterism.measure.strip_fit import (
-    FORMULAS,
-    StripFit,
-    UndeterminedMaterialError,
-    fit_directions,
-    fit_readings,
-)
+from asterism.measure.strip_fit import FORMULAS, StripFit, UndeterminedMaterialError, fit_directions, fit_readings
 from asterism.measure.strip_table import (
     STRIP_COLUMNS,
     Reading,
@@ -36,6 +30,7 @@ from tests.asterism.measure.strips.synthetic import synthetic_readings
 HEAD = "strip,thickness_mm,length_mm,stretch,fabric_thickness_mm,box_width_mm,box_height_mm"
 PEELED = ",peeled_box_width_mm,peeled_box_height_mm"
 GOOD = "1,0.3,60,1.35,0.8,53.4,11.7"
+CURVED = "strip,thickness_mm,length_mm,stretch,fabric_thickness_mm,curvature_per_mm,peeled_curvature_per_mm"
 
 
 def read(tmp_path: Path, text: str | bytes, **options: object) -> list[Reading]:
@@ -61,26 +56,21 @@ def test_separators_orders_and_remarks(separator: str, end: str, tmp_path: Path)
     assert (found.strip, found.row, found.thickness_mm) == ("A", 4, 0.3)
 
 
-def test_beyond_half_a_circle_and_rolled_over_itself(tmp_path: Path) -> None:
-    width, height = (float(side) for side in arc_box(0.08, 60.0))
-    assert height > width / 2
-    table = f"{HEAD}\n1,0.2,60,1.35,0.8,{width:.2f},{height:.2f}\n2,0.2,60,1.35,0.8,15.0,15.1\n"
-    beyond, rolled = read(tmp_path, table)
-    assert beyond.curvature_per_mm == pytest.approx(0.08, rel=1e-3)
-    assert rolled.curvature_per_mm == pytest.approx(2 / 15) and rolled.left_out is None
-
-
-def test_a_circle_may_be_read_a_little_higher_than_wide(tmp_path: Path) -> None:
-    (found,) = read(tmp_path, f"{HEAD}\n1,0.2,60,1.35,0.8,19.0,19.5\n")
-    assert found.curvature_per_mm == pytest.approx(2 / 19) and found.left_out is None
-    with pytest.raises(TableError, match="at most the width"):
-        read(tmp_path, f"{HEAD}\n1,0.2,60,1.35,0.8,19.0,20.6\n")
-
-
-@pytest.mark.parametrize("cells", ["60,0", "60,flat", ",Flat", "59.9,0.0"])
-def test_flat_strips(cells: str, tmp_path: Path) -> None:
-    (found,) = read(tmp_path, f"{HEAD}\n1,0.45,60,1.35,0.8,{cells}\n")
-    assert found.curvature_per_mm is None and found.left_out is None
+@pytest.mark.parametrize(
+    ("cells", "curvature"),
+    [
+        ("60,0", None),
+        ("60,flat", None),
+        (",Flat", None),
+        ("59.9,0.0", None),
+        ("{:.2f},{:.2f}".format(*arc_box(0.08, 60.0)), pytest.approx(0.08, rel=1e-3)),  # beyond half a circle
+        ("15.0,15.1", pytest.approx(2 / 15)),  # rolled over itself
+        ("19.0,19.5", pytest.approx(2 / 19)),  # a circle may be read a little higher than wide
+    ],
+)
+def test_flat_strips_and_circles(cells: str, curvature: float | None, tmp_path: Path) -> None:
+    (found,) = read(tmp_path, f"{HEAD}\n1,0.2,60,1.35,0.8,{cells}\n")
+    assert found.curvature_per_mm == curvature and found.left_out is None
 
 
 def test_curvatures_in_place_of_boxes(tmp_path: Path) -> None:
@@ -127,10 +117,15 @@ def test_a_box_that_does_not_fit_its_strip(tmp_path: Path) -> None:
         (f"{HEAD}\n1,0.3,60,1.35,0.8,5.34,1.17\n", "row 2, column box_width_mm", "centimetres"),
         (f"{HEAD}\n1,0.3,2.36,1.35,0.8,2.1,0.46\n", "row 2, column length_mm", "inches"),
         (f"{HEAD}\n1,0.3,60,1.35,0.8,11.7,53.4\n", "row 2, column box_height_mm", "at most the width"),
+        (f"{HEAD}\n1,0.2,60,1.35,0.8,19.0,20.6\n", "row 2, column box_height_mm", "at most the width"),
         (f"{HEAD},curvature_per_mm\n{GOOD},0.03\n", "row 2, column curvature_per_mm", "not both"),
         (f"{HEAD},curvature_per_mm\n1,0.3,60,1.35,0.8,,,-0.03\n", "row 2, column curvature_per_mm", "from 0 to 1"),
         (f"{HEAD},direction\n{GOOD},left\n", "row 2, column direction", "along or across"),
         (f"{HEAD},direction\n{GOOD},along\n2{GOOD[1:]},\n", "row 3, column direction", "other strips have one"),
+        (f"{CURVED}\n1,.3,60,1.35,.8,.003,.030\n2,.4,60,1.35,.8,0,.017\n", "row 2, column peeled_curvature", "swapped"),
+        (f"{HEAD}{PEELED}\na,.3,60,1.35,.8,59.8,1.35,48.4,13\n", "row 2, column peeled_box_width_mm", "swapped"),
+        (f"{HEAD}\n1,.3,15,1.35,.8,105.3,49.7\n", "row 2, column length_mm", "by its box; is it in cent"),
+        (f"{CURVED}\n1,.03,60,1.35,.8,.03,.003\n", "row 2, column thickness_mm", "is it in inches or centimetres"),
         (b"strip,thickness_mm,length_mm\n\xff\xfe,1,1\n", "row 2", "UTF-8"),
         ("strip,thickness_mm,length_mm\n1\0,1,1\n", "strips.csv", "not text"),
     ],
@@ -144,33 +139,34 @@ def test_mistakes_name_row_and_column(text: str | bytes, place: str, problem: st
     assert place in where and problem in what, line
 
 
+def test_options_are_for_tables_without_their_columns(tmp_path: Path) -> None:
+    with pytest.raises(TableError, match=r"row 2, column stretch.*--stretch is for tables"):
+        read(tmp_path, f"{HEAD}\n{GOOD}\n", stretch=1.4)
+    with pytest.raises(TableError, match=r"row 3, column fabric_thickness_mm.*--fabric-thickness is for tables"):
+        read(tmp_path, f"{HEAD}\n1,0.3,60,1.35,,53.4,11.7\n2{GOOD[1:]}\n", fabric_thickness_mm=0.7)
+
+
 @pytest.mark.parametrize(
-    ("boxes", "step"),
+    ("boxes", "steps"),
     [
-        (["53,12", "54,11", "53,flat"], 0.0),  # too few to tell
-        (["53,12", "54,11", "53,10", "55,12"], 1.0),
-        (["53.5,12", "54,11", "53,10", "55,12"], 0.5),
-        (["53.257,11.7", "54.1,11.83", "53.2,11.6"], 0.0),
+        (["53,12", "54,11", "53,flat"], [0.0] * 3),  # too few to tell
+        (["53,12", "54,11", "53,10", "55,12"], [1.0] * 4),
+        (["53.5,12", "54,11", "53,10", "55,12"], [0.5] * 4),
+        (["53.257,11.7", "54.1,11.83", "53.2,11.6"], [0.0] * 3),
+        # what stands beside a flat strip, and curvatures, were not read with the ruler of boxes
+        *(
+            ([*(f"53.{k},11.{k}" for k in range(4)), last], [0.1] * 4 + [0.0])
+            for last in ("ca. 60,flat", "nan,flat", ",flat", ",,0.0161803")
+        ),
     ],
 )
-def test_the_marks_to_which_boxes_were_read(boxes: list[str], step: float, tmp_path: Path) -> None:
+def test_the_marks_to_which_boxes_were_read(boxes: list[str], steps: list[float], tmp_path: Path) -> None:
+    head = f"{HEAD},curvature_per_mm"
     rows = [f"{number},0.3,60,1.35,0.8,{box}" for number, box in enumerate(boxes)]
-    found = read(tmp_path, "\n".join([HEAD, *rows]))
-    assert {reading.step_mm for reading in found if reading.curvature_per_mm is not None} == {step}
-    assert all(reading.step_mm == 0.0 for reading in found if reading.curvature_per_mm is None)
-
-
-@pytest.mark.parametrize("beside", ["ca. 60", "nan", ""])
-def test_what_stands_beside_a_flat_strip_is_not_read(beside: str, tmp_path: Path) -> None:
-    rows = [*[f"{k},0.3,60,1.35,0.8,53.{k},11.{k}" for k in range(4)], f"9,0.3,60,1.35,0.8,{beside},flat"]
-    found = read(tmp_path, "\n".join([HEAD, *rows]))
-    assert found[-1].curvature_per_mm is None and [reading.step_mm for reading in found] == [0.1] * 4 + [0.0]
-
-
-def test_curvatures_were_not_read_with_the_ruler_of_boxes(tmp_path: Path) -> None:
-    rows = [f"{k},0.3,60,1.35,0.8,53.{k},11.{k}," for k in range(4)]
-    found = read(tmp_path, "\n".join([f"{HEAD},curvature_per_mm", *rows, "9,0.3,60,1.35,0.8,,,0.0161803"]))
-    assert [reading.step_mm for reading in found] == [0.1] * 4 + [0.0]
+    rows = [row + "," * (head.count(",") - row.count(",")) for row in rows]
+    found = read(tmp_path, "\n".join([head, *rows]))
+    assert [reading.step_mm for reading in found] == steps
+    assert (found[-1].curvature_per_mm is None) == ("flat" in boxes[-1])
 
 
 def test_files_that_are_not_there(tmp_path: Path) -> None:
