@@ -13,6 +13,7 @@ from asterism import load_design, load_law
 from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.law_file import law_bytes
 from asterism.homogenize.law.motif_law import MotifLaw
+from asterism.laws import law as module
 from asterism.laws.from_files import law_from_file
 from asterism.pattern.layout.build import layout
 from asterism.previews.law_choice import serving_law
