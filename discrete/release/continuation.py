@@ -19,6 +19,7 @@ from asterism.discrete.model.discrete_model import DiscreteModel, bump_heights
 from asterism.discrete.model.state import State
 from asterism.discrete.release.equilibrium import Equilibrium, PathStep
 from asterism.discrete.release.release_start import ReleaseStart, spacing_ratio, start_of_design
+from asterism.discrete.release.unfold import unfolded
 from asterism.equilibrium.clock import Clock
 from asterism.equilibrium.linear.factor import Factor, IterativeFactor
 from asterism.equilibrium.newton.certificate import Eigenpair, leave_saddle, smallest_eigenvalue
@@ -93,7 +94,7 @@ def solve_on_mesh(
         if not is_intersection_free(model, state):
             raise ValueError("start: the state passes through itself; contact cannot separate intersecting parts")
         # the first blend of the Hessian is 1: the factorisation would refuse smaller ones
-        return continuation.minimise_from(model, state, 1.0)
+        return continuation.minimise_from(model, unfolded(model, state), 1.0)
     try:
         return continuation.follow(model, start or start_of_design(model.design))
     except BaseException:
@@ -140,14 +141,14 @@ class _Continuation:
         for release in start.releases:
             model.set_release(release)
             state = model.apply_supports(state)
-            state = start.restore_branches(model, state)
+            state = unfolded(model, start.restore_branches(model, state))
             state = self._follow_step(model, state, 0, factor, f"{100 * release:.0f} %")
         return state
 
     def _move_pins(self, model: DiscreteModel, state: State, step: int, factor: Factor) -> State:
         for progress in np.linspace(0.0, 1.0, 6)[1:]:
             model.pin_progress = float(progress)
-            state = model.apply_supports(state)
+            state = unfolded(model, model.apply_supports(state))
             name = f"pins of step {step}, {100 * progress:.0f} % of their way"
             state = self._follow_step(model, state, step, factor, name)
         return state
@@ -252,6 +253,7 @@ class _Continuation:
         left = max(MAX_RELEASE_ITERATIONS - self.iterations, 0)
         stage_report = (lambda iteration: report(name, iteration)) if report else None
         elastic = sum(energies.values()) - energies.get("gravity", 0.0)
+
         with self.clock(stage):
             result = minimise(
                 model,

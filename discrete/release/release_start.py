@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from math import ceil
 from typing import Literal, get_args
 
 import numpy as np
@@ -21,6 +22,7 @@ START_BUMP_MM = 2.0  # mm, height of the bump at every star
 MIN_BRANCH_BUMP_MM = 0.1  # mm, height below which a star counts as flat between two steps
 # released parts of the stretch, step by step: gradual (the default), at once (which reaches other minima), in two steps
 GRADUAL_RELEASE = tuple(np.linspace(0.03, 1.0, 10))
+GRADUAL_STRETCH = 1.35  # the largest one for these steps; more of it takes more steps
 SUDDEN_RELEASE = (1.0,)
 TWO_STEP_RELEASE = (0.3, 1.0)
 
@@ -110,8 +112,11 @@ def spacing_ratio(model: DiscreteModel) -> float:
 
 
 def start_of_design(design: Design) -> ReleaseStart:
-    """The start that a design asks for."""
-    return ReleaseStart(bumps=design.solver.start == "bump", seed=design.solver.seed)
+    """The start that a design asks for. In longer steps, arms that keep their length would fold the fabric between."""
+    stretch = max(design.fabric.stretch_xy)
+    steps = max(len(GRADUAL_RELEASE), ceil(len(GRADUAL_RELEASE) * (stretch - 1.0) / (GRADUAL_STRETCH - 1.0)))
+    releases = tuple(np.linspace(GRADUAL_RELEASE[0], 1.0, steps).tolist())
+    return ReleaseStart(bumps=design.solver.start == "bump", seed=design.solver.seed, releases=releases)
 
 
 def release_starts(n_stars: int, count: int, first: ReleaseStart) -> list[ReleaseStart]:
@@ -130,7 +135,8 @@ def release_starts(n_stars: int, count: int, first: ReleaseStart) -> list[Releas
     for k in range(count - 1):
         cycle, kind = divmod(k, 9)
         start = _start_of_cycle(kind, cycle, n_stars, rng)
-        out.append(replace(start, seed=seed + 1 + k))
+        releases = first.releases if start.releases is GRADUAL_RELEASE else start.releases
+        out.append(replace(start, seed=seed + 1 + k, releases=releases))
     return out
 
 
