@@ -33,6 +33,8 @@ def unfolded(model: DiscreteModel, state: State) -> State:
         positions = state.positions
         for _ in range(MAX_ROUNDS):
             gradients, edges = model.reconstruction.gradients(positions)
+            if not np.isfinite(gradients).all():
+                break
             change = _flat(model, gradients, least) - gradients
             if not change.any():
                 break
