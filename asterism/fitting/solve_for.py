@@ -15,13 +15,14 @@ from scipy.optimize import brentq, least_squares
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.fitting.disk import place_text
 from asterism.fitting.reach import MIN_FITTED_ARM_MM, ReachError
+from asterism.homogenize.errors import LawError
 from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.star_law import StarLaw
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.entries import with_entries
 from asterism.pattern.design.errors import check_type
 from asterism.pattern.design.section import is_whole
-from asterism.pattern.design.stars import SIZE_KEYS, SizeName
+from asterism.pattern.design.stars import SIZE_KEYS, STAR_SIZES, SizeName
 from asterism.pattern.geometry.planar import inside
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.painted_stars import size_rows, with_painted_stars
@@ -267,7 +268,7 @@ def sensitivity(
     Raises
     ------
     DesignError, MeshError, LawError
-        As for `Preview`.
+        As for `Preview`; or the law has cells of one such size only.
     ValueError
         `of` or `by` is not one of these, or the search finds no minimum.
 
@@ -285,7 +286,10 @@ def sensitivity(
         raise ValueError(f"by = {by!r}: must be {' or '.join(SIZE_KEYS)}")
     stars = design.required_stars.model_copy(update={"rounding": None})
     design = design.model_copy(update={"stars": stars})
-    preview = Preview(design, law)
+    preview = Preview(design, law or _law_beside(design, by))
+    low, high = preview.law.size_ranges(design.fabric.stretch_xy)[by]
+    if low == high:
+        raise LawError(f"the law is of one {by} only, {low:g}: it does not say how sheets change with it")
     if not preview.equilibrium.is_minimum:
         raise ValueError("the search finds no minimum, and only a minimum has derivatives")
     shown, plan = preview.shape(), preview.state.layout
@@ -301,3 +305,17 @@ def sensitivity(
         response = next(preview.edit(with_painted_stars(design, site[None], size_rows({by: size + step}))))
         changes.append((quantity(response.x) - value) / step)
     return Sensitivity(value, np.array(changes), plan.star_number, plan.centres)
+
+
+def _law_beside(design: Design, by: SizeName) -> Any:
+    """The law that serves a design, also beside the sizes that its stars have, so that it has derivatives by them."""
+    law = serving_law(design)
+    low, high = law.size_ranges(law.check(design).stretch)[by]
+    if low < high or design.law_file is not None:
+        return law
+    sites = layout(design).sites
+    # near enough for a derivative; of smaller stars there is room for all
+    factor = 0.98 if 0.98 * low >= STAR_SIZES[SIZE_KEYS.index(by)].limits[0] else 1.02
+    beside = with_painted_stars(design, sites[:1], size_rows({by: factor * low}))
+    # cells are solved where stars have their sizes, which a single one has lost
+    return serving_law(beside, known=law if len(sites) == 1 else None)

@@ -133,15 +133,15 @@ def _table(
     stored = np.array([nothing.row if cell.row is None else cell.row for cell in grid]).reshape(*shape, -1)
     solved = np.array([cell.problem is None for cell in grid]).reshape(shape)
     coordinates = [size.axis.coordinate(nodes) for size, nodes in zip(plan.sizes, plan.axis_nodes, strict=True)]
-    return fill_failed_rows(coordinates, stored), solved
+    return fill_failed_rows(coordinates, stored, has_bare=not plan.is_motif), solved
 
 
-def fill_failed_rows(coordinates: Sequence[Floats], stored: Floats) -> Floats:
+def fill_failed_rows(coordinates: Sequence[Floats], stored: Floats, has_bare: bool = False) -> Floats:
     """Rows (n1, ..., nA, K) in which those without numbers are filled in, so that all nodes have slopes.
 
     Between answers on a line along the first axis they come from these; beyond the last ones, and on lines without
     answers, they go on in a straight line, along one axis after the other. These nodes lie outside the range of the
-    law.
+    law. With `has_bare` the first nodes of the first axis are bare fabric, which alone says nothing about stars.
     """
     whole = stored.copy()
     for axis, places in enumerate(coordinates):
@@ -149,7 +149,8 @@ def fill_failed_rows(coordinates: Sequence[Floats], stored: Floats) -> Floats:
         there = np.asarray(np.isfinite(rows).all(axis=-1))
         for across in np.ndindex(there.shape[1:]):
             fine = there[(slice(None), *across)]
-            if fine.any() and not fine.all():
+            is_star = fine[1:] if has_bare and axis == 0 else fine
+            if is_star.any() and not fine.all():
                 rows[(~fine, *across)] = _along(places[fine], rows[(fine, *across)], places[~fine])
     return whole
 

@@ -181,6 +181,16 @@ def test_beyond_the_last_answer_rows_go_on_in_a_straight_line() -> None:
     assert 1.0 < whole[2, 0] < 16.0 and whole[2, 1] == pytest.approx(-6.0)
 
 
+def test_bare_fabric_alone_says_nothing_about_stars() -> None:
+    lengths, widths = np.array([0.0, 7.0]), np.array([0.9, 1.0, 1.2])
+    curl = np.array([[0.0, 0.0, 0.0], [np.nan, 0.105, 0.097]])
+    whole = fill_failed_rows([lengths, widths], curl[..., None], has_bare=True)[..., 0]
+    assert whole[1] == pytest.approx([0.109, 0.105, 0.097])
+    table = HermiteGrid([lengths, widths], whole[..., None], ["monotone"])
+    between = table(np.column_stack([np.full(9, 7.0), np.linspace(1.0, 1.2, 9)]))[:, 0]
+    assert between.max() == pytest.approx(0.105) and (np.diff(between) < 0.0).all()
+
+
 def test_sheets_that_hardly_curl_have_no_sixfold_part() -> None:
     """The energies of two directions differ by rounding there, and a cubic makes much of it."""
     cell = fake.solve_cell(design(), 2.0).data
