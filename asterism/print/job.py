@@ -14,7 +14,7 @@ from asterism.equilibrium.arrays import Floats
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.design.rounding import Rounding
-from asterism.pattern.geometry.point_location import off_sheet_mm
+from asterism.pattern.geometry.planar import off_sheet_mm
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
 from asterism.print.bed_placement import BedPlacement, place_on_bed, room_mm

@@ -15,8 +15,8 @@ from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import DesignError
 from asterism.pattern.geometry.normals import triangle_normals
-from asterism.pattern.geometry.planar import polygon_area
-from asterism.pattern.geometry.point_location import locate, off_sheet_mm
+from asterism.pattern.geometry.planar import off_sheet_mm, polygon_area
+from asterism.pattern.geometry.point_location import locate
 from asterism.pattern.layout.build import layout, sheet_outline
 from asterism.pattern.layout.layout import Layout
 from asterism.pattern.mesh.sheet_mesh import sheet_mesh

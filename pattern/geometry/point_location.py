@@ -66,17 +66,6 @@ def clipped(weights: Float[np.ndarray, "n 3"]) -> Float[np.ndarray, "n 3"]:
     return np.asarray(kept / kept.sum(axis=1, keepdims=True))
 
 
-def off_sheet_mm(area_mm2: float, vertices: int) -> float:
-    """Largest distance of points on the edges of a sheet from a mesh of this area with so many vertices.
-
-    >>> round(off_sheet_mm(11_575.0, 3781), 2)
-    0.35
-    """
-    # a vertex on a curved outline is off the chord of another mesh by less than 0.2 mean edges: chords turn by at most
-    # 20 degrees, which is a distance of 0.05 chords, and edges of coarser meshes are at most three times as long
-    return float(0.2 * np.sqrt(area_mm2 / vertices))
-
-
 def locate(printed: Floats, triangles: Ints, points: Floats, off_sheet_mm: float = 0.0) -> tuple[Ints, Floats]:
     """The triangle that holds each point, and the point's weights there.
 

@@ -11,9 +11,8 @@ from jaxtyping import Float, Int
 
 from asterism.equilibrium.arrays import Floats, Ints
 from asterism.pattern.design.stars import ROD_SIZES, STAR_SIZES
-from asterism.pattern.geometry.planar import clusters, inside
+from asterism.pattern.geometry.planar import clusters, inside, off_sheet_mm
 from asterism.pattern.geometry.plane_lattice import PlaneLattice
-from asterism.pattern.geometry.point_location import off_sheet_mm
 from asterism.pattern.layout.sheet_edges import SheetEdges
 from asterism.pattern.layout.supports import PinSet, SupportSamples, all_points, sample_supports
 from asterism.pattern.rods.graph import Rod, RodGraph
