@@ -20,13 +20,13 @@ from asterism.homogenize.law.law import Law
 from asterism.homogenize.law.star_law import StarLaw
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.entries import with_entries
-from asterism.pattern.design.errors import check_type
+from asterism.pattern.design.errors import DesignError, check_type
 from asterism.pattern.design.section import is_whole
 from asterism.pattern.design.stars import SIZE_KEYS, STAR_SIZES, SizeName
 from asterism.pattern.geometry.planar import inside
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.painted_stars import size_rows, with_painted_stars
-from asterism.previews.law_choice import serving_law
+from asterism.previews.law_choice import law_of, serving_law
 from asterism.previews.session import Preview, preview
 from asterism.previews.star_sensitivity import size_steps
 from asterism.process.progress import Say, ignore_line
@@ -54,7 +54,8 @@ def solve_for(
     wanted : `height_mm`, the extent along z (of a free sheet: across its mean plane), or `roll_radius_mm`, the radius
         of a sheet that rolls up.
     value : of the wanted quantity, in mm.
-    change : the size that is scaled; within the range of the law.
+    change : the size that is scaled; within the range of the law, or to between half and twice where cells are solved
+        for each trial.
     law : of the material; by default the one that the design names, or else that of the paper's material.
     say : called with a line of text for each trial.
 
@@ -85,20 +86,29 @@ def solve_for(
             raise ValueError(f"{name} = {given!r}: must be {' or '.join(allowed)}")
     if not (isinstance(value, int | float) and np.isfinite(value) and value > 0.0):
         raise ValueError(f"value = {value!r}: must be a number of mm above 0")
-    law, tell, plan = law or serving_law(design), say or ignore_line, layout(design)
+    tell, plan = say or ignore_line, layout(design)
     sizes = plan.star_sizes_mm[:, SIZE_KEYS.index(change)]
-    low, high = law.size_ranges(law.check(design).stretch)[change]
+    serving: Law[Any] = law or serving_law(design)
+    of_trials: Law[Any] | None = serving
+    low, high = serving.size_ranges(serving.check(design).stretch)[change]
+    if law is None and serving is not law_of(design):  # cells are solved for each trial
+        of_trials = None
+        least, most = STAR_SIZES[SIZE_KEYS.index(change)].limits_at(plan.spacing_mm)
+        low, high = max(least, 0.5 * float(sizes.min())), min(most, 2.0 * float(sizes.max()))
     low = max(low, MIN_FITTED_ARM_MM) if change == "length_mm" else low
 
     def scaled(factor: float) -> Design:
-        """The design with sizes scaled, within the law's range."""
+        """The design with sizes scaled, within their range."""
         changed = np.clip(factor * sizes, low, high).round(4)
         return with_painted_stars(design, plan.sites, size_rows({change: changed}))
 
     @cache
     def measured(factor: float) -> float:
-        """The wanted quantity of a fresh preview; nan for a sheet that is not rolled."""
-        shape = preview(scaled(factor), law)
+        """The wanted quantity of a fresh preview; nan for a sheet that is not rolled, or whose arms meet."""
+        try:
+            shape = preview(scaled(factor), of_trials)
+        except DesignError:
+            return float(np.nan)
         found: Any = shape.height_mm if wanted == "height_mm" else shape.summary["roll_radius_mm"]
         found = np.nan if found is None else float(found)
         tell(f"{change} times {factor:.4f}: {wanted} = {found:.3f}")
@@ -129,7 +139,7 @@ def solve_for(
     jumps = ", where the sheet jumps from one form to another" if enclosing else ""
     raise ReachError(
         f"{wanted} = {value:g}: is not reached by scaling {change}{jumps}; "
-        f"it is {min(known):.3g} to {max(known):.3g} mm over the range of the law"
+        f"it is {min(known):.3g} to {max(known):.3g} mm for sizes of {low:g} to {high:g} mm"
     )
 
 

@@ -102,23 +102,34 @@ def test_a_size_at_the_upper_end_of_the_law_is_changed_downwards():
     assert np.isfinite(sensitivity(longest).derivatives).all()
 
 
+# a dome on a fabric without a law: its cells are solved when they are needed
+UNKNOWN: dict[str, Any] = {
+    "border": {"rings": 1},
+    "fabric": {"stretch": 1.5},
+    "pins": [{"where": "border", "scale": 0.7}],
+}
+SIZES = {"length_mm": 7.0, "width_mm": 1.2}
+
+
+@pytest.mark.slow
+def test_a_height_on_a_fabric_without_a_law() -> None:
+    higher = solve_for(Design.from_dict(UNKNOWN | {"stars": SIZES}), "height_mm", 5.5)
+    assert asterism.preview(higher).height_mm == pytest.approx(5.5, rel=3e-3)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize(("by", "step"), [("length_mm", 0.05), ("width_mm", 0.02)])
 def test_sizes_of_stars_on_a_fabric_without_a_law(by: Any, step: float) -> None:
-    table = {"border": {"rings": 1}, "fabric": {"stretch": 1.5}, "pins": [{"where": "border", "scale": 0.7}]}
-    sizes = {"length_mm": 7.0, "width_mm": 1.2}
     heights = [
-        asterism.preview(Design.from_dict(table | {"stars": sizes | {by: sizes[by] + change}})).height_mm
+        asterism.preview(Design.from_dict(UNKNOWN | {"stars": SIZES | {by: SIZES[by] + change}})).height_mm
         for change in (-step, step)
     ]
-    derivatives = sensitivity(Design.from_dict(table | {"stars": sizes}), by=by).derivatives
+    derivatives = sensitivity(Design.from_dict(UNKNOWN | {"stars": SIZES}), by=by).derivatives
     assert derivatives.sum() == pytest.approx((heights[1] - heights[0]) / (2.0 * step), rel=0.05)
 
 
 @pytest.mark.slow
 def test_a_painted_star_on_a_fabric_without_a_law_is_as_in_a_fresh_preview() -> None:
-    table: dict[str, Any] = {"border": {"rings": 1}, "fabric": {"stretch": 1.5}}
-    table |= {"pins": [{"where": "border", "scale": 0.7}], "stars": {"length_mm": 7.0, "width_mm": 1.2}}
-    painted = table | {"stars": table["stars"] | {"override": [{"star": 0, "width_mm": 1.1}]}}
-    edited = asterism.Preview(Design.from_dict(table)).update(Design.from_dict(painted))
+    plain, painted = (UNKNOWN | {"stars": SIZES | more} for more in ({}, {"override": [{"star": 0, "width_mm": 1.1}]}))
+    edited = asterism.Preview(Design.from_dict(plain)).update(Design.from_dict(painted))
     assert edited.height_mm == pytest.approx(asterism.preview(Design.from_dict(painted)).height_mm, rel=5e-3)
