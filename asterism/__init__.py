@@ -13,7 +13,6 @@ asterism.verify(design).summary["rms_percent"]  # how far the two are apart
 
 from __future__ import annotations
 
-import ast
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -23,7 +22,7 @@ if not (Path(__file__).parent / "fem").is_dir():
 
 from asterism.process.version import __version__
 
-if TYPE_CHECKING:  # these lines are read below
+if TYPE_CHECKING:
     from asterism.equilibrium.errors import Error as Error
     from asterism.exact.spread import spread as spread
     from asterism.fitting.fit import Fit as Fit
@@ -69,18 +68,55 @@ if TYPE_CHECKING:  # these lines are read below
     from asterism.verification.verify import Verification as Verification
     from asterism.verification.verify import verify as verify
 
-# Of each public name the module and the name there, as the lines above say. A name is imported when it is first used:
-# the solvers take most of a second.
+# Where each public name is defined. It is imported when it is first used: the solvers take most of a second.
 _HOMES = {
-    name.asname or name.name: (line.module or "", name.name)
-    for block in ast.parse(Path(__file__).read_text(encoding="utf-8")).body
-    if isinstance(block, ast.If) and ast.unparse(block.test) == "TYPE_CHECKING"
-    for line in block.body
-    if isinstance(line, ast.ImportFrom)
-    for name in line.names
+    "Design": "asterism.pattern.design.design:Design",
+    "Error": "asterism.equilibrium.errors:Error",
+    "ExportSettings": "asterism.process.settings:ExportSettings",
+    "Fit": "asterism.fitting.fit:Fit",
+    "FitSettings": "asterism.process.settings:FitSettings",
+    "Law": "asterism.homogenize.law.law:Law",
+    "Preview": "asterism.previews.session:Preview",
+    "Shape": "asterism.shape.shape:Shape",
+    "StripFitSettings": "asterism.process.settings:StripFitSettings",
+    "StripPrintSettings": "asterism.process.settings:StripPrintSettings",
+    "Sweep": "asterism.sweeps.sweep:Sweep",
+    "TargetSurface": "asterism.fitting.target:TargetSurface",
+    "Verification": "asterism.verification.verify:Verification",
+    "calibrate": "asterism.laws.law:calibrate",
+    "compare": "asterism.measure.compare:compare",
+    "compare_designs": "asterism.reports.compare_designs:compare_designs",
+    "export": "asterism.print.export:export",
+    "fit": "asterism.fitting.fit:fit",
+    "fit_strips": "asterism.measure.fit_strips:fit_strips",
+    "load_design": "asterism.pattern.layout.build:load_design",
+    "load_law": "asterism.homogenize.law.law_file:load_law",
+    "load_material": "asterism.homogenize.law.material:load_material",
+    "load_target": "asterism.fitting.target_files:load_target",
+    "new": "asterism.pattern.gallery:load",
+    "new_strips": "asterism.measure.new_strips:new_strips",
+    "preview": "asterism.previews.session:preview",
+    "read_shape": "asterism.shape.vtu:read_shape",
+    "report": "asterism.reports.design_report:report",
+    "save_design": "asterism.pattern.design.design:save_design",
+    "sensitivity": "asterism.fitting.solve_for:sensitivity",
+    "show": "asterism.notebook.show:show",
+    "show_law": "asterism.laws.law:show_law",
+    "simulate": "asterism.verification.simulate:simulate",
+    "solve_for": "asterism.fitting.solve_for:solve_for",
+    "solve_for_point": "asterism.fitting.solve_for:solve_for_point",
+    "spread": "asterism.exact.spread:spread",
+    "sweep": "asterism.sweeps.sweep:sweep_design",
+    "verify": "asterism.verification.verify:verify",
+    "write_comparison": "asterism.measure.compare:write_comparison",
+    "write_fit": "asterism.reports.fit_page:write_fit",
+    "write_material": "asterism.measure.fit_strips:write_material",
+    "write_results": "asterism.reports.write_results:write_results",
+    "write_sweep": "asterism.sweeps.sweep:write_sweep",
+    "write_verification": "asterism.reports.verification_page:write_verification",
 }
 # type checkers take an import under another name as public only if it is written out here
-__all__ = ["__version__", "new", "sweep", *sorted(_HOMES)]
+__all__ = ["__version__", "new", "sweep", *_HOMES]
 
 
 def __dir__() -> list[str]:
@@ -92,5 +128,5 @@ def __getattr__(name: str) -> Any:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from importlib import import_module
 
-    module, attribute = _HOMES[name]
+    module, _, attribute = _HOMES[name].partition(":")
     return getattr(import_module(module), attribute)

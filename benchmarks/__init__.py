@@ -1,8 +1,9 @@
 """Measurements that a maintainer repeats; each is one command, `python -m benchmarks.NAME`.
 
-`accuracy`, `exact`, `fit_targets`, `large`, `preview` and `spread` write the tables in `results`, and `fit_constants`
-the constants of previews; `pictures` draws those of the pages. `same_results OTHER_CHECKOUT` is for changes that must
-move no result: it compares heights, energies and distances of two checkouts. `fuzz` runs commands on changed designs.
+`accuracy`, `exact`, `fit_targets`, `large`, `preview`, `spread` and `studio` write the tables in `results`, and
+`fit_constants` the constants of previews; `pictures` draws those of the pages. `same_results OTHER_CHECKOUT` is for
+changes that must move no result: it compares heights, energies and distances of two checkouts. `fuzz` runs commands on
+changed designs.
 """
 
 from importlib.util import find_spec

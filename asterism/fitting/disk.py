@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import scipy.sparse as sp
@@ -17,9 +16,6 @@ from asterism.equilibrium.errors import Error, one_line
 from asterism.pattern.geometry.normals import triangle_normals
 from asterism.pattern.geometry.planar import clusters
 from asterism.shape.surface import angle_sums, border_edges, directed_edges, laplacian
-
-if TYPE_CHECKING:
-    from asterism.equilibrium.arrays import Floats
 
 
 class TargetError(Error, ValueError):

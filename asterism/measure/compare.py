@@ -371,7 +371,7 @@ def draw_scan(comparison: ScanComparison, title: str, path_or_file: str | Path |
         _section(figure.add_axes(place), comparison, along, float((low + high)[1 - along] / 2))
     below = "mm, positive on the plastic side"
     _histogram(figure.add_axes((0.56, 0.09, 0.42, 0.19)), used, "points of the scan at each distance", below)
-    figure.savefig(path_or_file, format="png")
+    figure.savefig(path_or_file, dpi=figure.dpi, format="png")
 
 
 def draw_outline(outline_fit: OutlineFit, title: str, words: str, path_or_file: str | Path | IO[bytes]) -> None:
@@ -391,7 +391,7 @@ def draw_outline(outline_fit: OutlineFit, title: str, words: str, path_or_file: 
     _histogram(below, outline_fit.distance, "length of outline at each distance", "mm")
     for narrow in figure.axes[1:]:  # they have room for four numbers
         narrow.xaxis.set_major_locator(MaxNLocator(4))
-    figure.savefig(path_or_file, format="png")
+    figure.savefig(path_or_file, dpi=figure.dpi, format="png")
 
 
 def _figure(title: str, words: str) -> Figure:

@@ -16,6 +16,7 @@ from asterism.homogenize.law.plan import SampleRecord, Sizes, without_law
 from asterism.homogenize.law.star_law import StarLaw
 from asterism.pattern.design.design import Design, leading_field
 from asterism.pattern.design.files import file_identity
+from asterism.pattern.design.stars import ROD_SIZES
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.layout import Layout
 from asterism.process.progress import Say, ignore_line
@@ -102,10 +103,12 @@ def _learned_law(
         try:
             before.plan.check(design)
             before.at(design.fabric.stretch_xy)
-            same, cells = (
-                before.plan,
-                {tuple(each.get(name, 0.0) for name in before.plan.names) for each in before.samples},
-            )
+            same = before.plan
+            # a law that was made before a size was known is for its usual value
+            usual: dict[str, float] = {size.key: size.usual for size in ROD_SIZES}
+            cells = {
+                tuple(each[name] if name in each else usual[name] for name in same.names) for each in before.samples
+            }
         except LawError:
             pass
     plan = replace(plan_for_design(design, sheet, same), held_out=0)

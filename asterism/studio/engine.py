@@ -29,6 +29,7 @@ from asterism.homogenize.law.plan import without_law
 from asterism.pattern import gallery
 from asterism.pattern.design.design import Design
 from asterism.pattern.design.errors import BlankSheetError, DesignError
+from asterism.pattern.design.stars import SIZE_KEYS
 from asterism.pattern.layout.painted_stars import with_painted_stars
 from asterism.previews.law_choice import law_of, paper_law
 from asterism.previews.session import Preview, SearchLimitError, SnapshotError
@@ -69,7 +70,7 @@ class Engine:
         self._frames = EngineFrames()
         self._is_resting = True
         self._owes_search = False  # the shape went on from one with another outline, and may not be the lowest
-        self._equilibrium_at, self._equilibrium_sizes = -np.inf, np.empty((0, 3))
+        self._equilibrium_at, self._equilibrium_sizes = -np.inf, np.empty((0, len(SIZE_KEYS)))
 
     def serve(self) -> None:
         """Answer messages until there are no more."""

@@ -62,19 +62,23 @@ class TakeBack(GestureRequest):
 class Paint(GestureRequest):
     """Sizes of stars by their names, such as `length` and `thickness`."""
 
-    model_config = ConfigDict(extra="allow")
-    __pydantic_extra__: dict[str, SizesOfSites | None]
     type: Literal["sizes"]
     sites: Sites
+    by_name: dict[str, SizesOfSites]
+
+    @model_validator(mode="before")
+    @classmethod
+    def _by_name(cls, message: dict[str, Any]) -> dict[str, Any]:
+        given = {size.name: message[size.name] for size in STAR_SIZES if message.get(size.name) is not None}
+        return {**message, "by_name": given}
 
     @property
     def sizes(self) -> dict[str, list[float | None]]:
         """The sizes that are given, by the keys of the design file."""
-        given = {size.key: self.__pydantic_extra__.get(size.name) for size in STAR_SIZES}
-        for key, values in given.items():
-            if values is not None and len(values) != len(self.sites):
-                raise RequestError(f"sizes: {key} must have one value for each of the {len(self.sites)} sites")
-        return {key: values for key, values in given.items() if values is not None}
+        for name, values in self.by_name.items():
+            if len(values) != len(self.sites):
+                raise RequestError(f"sizes: {name} must have one value for each of the {len(self.sites)} sites")
+        return {size.key: self.by_name[size.name] for size in STAR_SIZES if size.name in self.by_name}
 
 
 class BrushRequest(GestureRequest, Brush):

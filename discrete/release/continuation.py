@@ -253,7 +253,6 @@ class _Continuation:
         left = max(MAX_RELEASE_ITERATIONS - self.iterations, 0)
         stage_report = (lambda iteration: report(name, iteration)) if report else None
         elastic = sum(energies.values()) - energies.get("gravity", 0.0)
-
         with self.clock(stage):
             result = minimise(
                 model,

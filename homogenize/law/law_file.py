@@ -161,21 +161,22 @@ def load_law(path: str | Path | None = None) -> StarLaw | MotifLaw:
                 raise LawError(f"{path}: has format {version}, this version reads {LAW_FORMAT}; {_REMEDY}")
             data, residuals, made = (json.loads(archive[name].tobytes()) for name in ("plan", "residuals", "made"))
             plan = LawPlan.from_dict(data)
-            tables = [_table(plan, archive, number) for number in range(len(plan.stretches))]
+            keys = [each["key"] for each in data["sizes"]]
+            tables = [_table(plan, keys, archive, number) for number in range(len(plan.stretches))]
             samples = PackedRows(archive["samples"].tobytes(), path)
         if not (isinstance(made, dict) and all("errors" in each["held_out"] for each in residuals.values())):
             raise ValueError("residuals or origin are not tables")
         return law_of_tables(plan, tables, samples, residuals, made)
 
 
-def _table(plan: LawPlan, archive: Mapping[str, Any], number: int) -> tuple[Floats, Bools]:
-    """The arrays of a table; ValueError if they do not fit the plan, or have gaps."""
+def _table(plan: LawPlan, keys: Sequence[str], archive: Mapping[str, Any], number: int) -> tuple[Floats, Bools]:
+    """The arrays of a table with axes of these sizes; ValueError if they do not fit the plan, or have gaps."""
     stored, solved = (archive[f"{number}/{name}"] for name in ("stored", "solved"))
     shape = tuple(len(nodes) for nodes in plan.axis_nodes)
     columns = (MotifTable if plan.is_motif else StarTable).columns(plan)
-    # axes of one node do not count: a law that was made before a size was known has none for it
-    given, wanted = ([n for n in each if n > 1] for each in (stored.shape, (*shape, columns)))
-    if given != wanted or solved.shape != stored.shape[:-1] or solved.dtype != bool:
+    # a law that was made before a size was known has no axis for it
+    given = tuple(count for size, count in zip(plan.sizes, shape, strict=True) if size.key in keys)
+    if stored.shape != (*given, columns) or solved.shape != given or solved.dtype != bool:
         raise ValueError("arrays do not fit together")
     if not np.isfinite(stored).all():
         raise ValueError("quantities must be finite")

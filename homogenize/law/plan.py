@@ -367,6 +367,10 @@ class LawPlan:
             )
             for each in data["sizes"]
         )
+        keys = [size.key for size in sizes]
+        of_stars = keys == [key for key in SIZE_KEYS if key in keys]
+        if not (of_stars if design.rods is None else set(keys) <= {*ROD_SIZE_KEYS}):
+            raise ValueError("sizes must be those of stars or rods, in their order")
         if design.rods is None:  # a law that was made before a size was known is for its usual value
             known = {size.key: size for size in sizes}
             sizes = tuple(known.get(size.key) or Size(size.key, (size.usual,)) for size in STAR_SIZES)

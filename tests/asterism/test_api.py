@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ast
 import subprocess
 import sys
 from collections.abc import Callable
@@ -19,6 +20,11 @@ def test_the_public_names_are_listed() -> None:
     assert set(asterism.__all__) <= set(dir(asterism))
     for name in asterism.__all__:
         assert getattr(asterism, name) is not None
+    # type checkers read the imports, programs the table: they name the same things
+    blocks = [part for part in ast.parse(Path(asterism.__file__).read_text()).body if isinstance(part, ast.If)]
+    imports = [line for line in ast.walk(blocks[-1]) if isinstance(line, ast.ImportFrom)]
+    read = {each.asname or each.name: f"{line.module}:{each.name}" for line in imports for each in line.names}
+    assert read == asterism._HOMES  # type: ignore[attr-defined]
     # and looking at the list loads none of the solver
     program = "import asterism, sys; dir(asterism); assert 'asterism.exact.simulation' not in sys.modules"
     assert subprocess.run([sys.executable, "-c", program], cwd=Path(__file__).parents[2]).returncode == 0

@@ -271,6 +271,13 @@ def test_a_law_from_before_a_size_was_known_is_for_its_usual_value(tmp_path: Pat
     arrays |= {name: array[:, :, 0] for name, array in arrays.items() if "/" in name}
     np.savez(tmp_path / "law.npz", **arrays)
     assert law_digest(load_law(tmp_path / "law.npz")) == law_digest(known)
+    # sizes of a later version, twice, or in another order are none that this one knows
+    length, thickness = plan["sizes"]
+    for sizes in ([length, thickness, {"key": "height_mm", "nodes": [1.0]}], [length, length], [thickness, length]):
+        arrays["plan"] = np.frombuffer(json.dumps(plan | {"sizes": sizes}).encode(), np.uint8)
+        np.savez(tmp_path / "law.npz", **arrays)
+        with pytest.raises(LawError, match="is not a law, or damaged"):
+            load_law(tmp_path / "law.npz")
 
 
 def test_files_that_are_no_laws(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
