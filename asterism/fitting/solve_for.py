@@ -26,7 +26,7 @@ from asterism.pattern.design.stars import SIZE_KEYS, STAR_SIZES, SizeName
 from asterism.pattern.geometry.planar import inside
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.painted_stars import size_rows, with_painted_stars
-from asterism.previews.law_choice import law_of, serving_law
+from asterism.previews.law_choice import law_around, law_of, serving_law
 from asterism.previews.session import Preview, preview
 from asterism.previews.star_sensitivity import size_steps
 from asterism.process.progress import Say, ignore_line
@@ -320,12 +320,10 @@ def sensitivity(
 def _law_beside(design: Design, by: SizeName) -> Any:
     """The law that serves a design, also beside the sizes that its stars have, so that it has derivatives by them."""
     law = serving_law(design)
-    low, high = law.size_ranges(law.check(design).stretch)[by]
-    if low < high or design.law_file is not None:
+    if law is law_of(design):
         return law
-    sites = layout(design).sites
-    # near enough for a derivative; of smaller stars there is room for all
-    factor = 0.98 if 0.98 * low >= STAR_SIZES[SIZE_KEYS.index(by)].limits[0] else 1.02
-    beside = with_painted_stars(design, sites[:1], size_rows({by: factor * low}))
-    # cells are solved where stars have their sizes, which a single one has lost
-    return serving_law(beside, known=law if len(sites) == 1 else None)
+    # cells of other fabrics are solved where stars have their sizes; of smaller stars there is room for all
+    plan, size = layout(design), STAR_SIZES[SIZE_KEYS.index(by)]
+    sizes = plan.star_sizes_mm[:, SIZE_KEYS.index(by)]
+    near = np.where(0.98 * sizes >= size.limits[0], 0.98, 1.02) * sizes
+    return law_around(design, with_painted_stars(design, plan.sites, size_rows({by: near})))

@@ -87,13 +87,26 @@ def serving_law(
     return _learned_law(design, sheet, before, say, respond)
 
 
+def law_around(design: Design, *others: Design) -> Any:
+    """The law of cells around the sizes of a design and of others that differ from it in their sizes only.
+
+    Raises LawError: the cells have no answer.
+    """
+    return _learned_law(design, layout(design), None, ignore_line, None, tuple(layout(each) for each in others))
+
+
 def _learned_law(
-    design: Design, sheet: Layout, before: Law[Any] | None, say: Say, respond: SolveCell | None
+    design: Design,
+    sheet: Layout,
+    before: Law[Any] | None,
+    say: Say,
+    respond: SolveCell | None,
+    others: tuple[Layout, ...] = (),
 ) -> StarLaw | MotifLaw:
     """The law of cells around the sizes of a design; a law `before` an edit keeps its cells if it is of its pattern."""
     # these load the exact model
     from asterism.homogenize.campaign.campaign import run_campaign
-    from asterism.homogenize.campaign.design_plan import plan_for_design
+    from asterism.homogenize.campaign.design_plan import plan_for_design, plan_for_sizes
     from asterism.homogenize.campaign.fit_law import fit_law
     from asterism.homogenize.campaign.kept_samples import cells_folder, forget_oldest
     from asterism.homogenize.campaign.workers import default_jobs
@@ -111,8 +124,10 @@ def _learned_law(
             }
         except LawError:
             pass
-    plan = replace(plan_for_design(design, sheet, same), held_out=0)
-    tasks = plan.tasks_for_sizes(plan.sizes_on(design, sheet), cells)
+    plan = plan_for_design(design, sheet, same)
+    sizes = np.concatenate([plan.sizes_on(design, each) for each in (sheet, *others)])
+    plan = replace(plan_for_sizes(design, sizes, same), held_out=0)
+    tasks = plan.tasks_for_sizes(sizes, cells)
     records: list[SampleRecord] = []
     solved_before = 0
 

@@ -135,7 +135,8 @@ def release_starts(n_stars: int, count: int, first: ReleaseStart) -> list[Releas
     for k in range(count - 1):
         cycle, kind = divmod(k, 9)
         start = _start_of_cycle(kind, cycle, n_stars, rng)
-        releases = first.releases if start.releases is GRADUAL_RELEASE else start.releases
+        is_gradual = start.releases is GRADUAL_RELEASE and len(first.releases) > len(GRADUAL_RELEASE)
+        releases = first.releases if is_gradual else start.releases
         out.append(replace(start, seed=seed + 1 + k, releases=releases))
     return out
 

@@ -17,32 +17,39 @@ from asterism.pattern.geometry.planar import triangle_areas
 
 # cosine of the angle to the mean normal around it, below which a triangle counts as folded
 MIN_COSINE = 0.3
-# least stretches of triangles that are laid flat, over that of the free fabric: the better one is taken
+# least stretches of triangles that are laid flat, by the free fabric: the better one is taken
 MIN_STRETCHES = (0.8, 0.15)
 MAX_ROUNDS = 10
 
 
 def unfolded(model: DiscreteModel, state: State) -> State:
-    """The state with its folds laid flat, if that lowers the energy; else the state itself.
+    """The state with its folds laid flat, if that lowers its energy; else the state itself.
 
     Folded triangles get the mean deformation of the others around them, crushed ones a least stretch. Positions follow
     by least squares, in which rods keep their length and held components stay.
     """
-    lowest, best = model.energy(state), state
+    # exactly folded triangles have no finite energy
+    best, lowest = state, np.nan_to_num(model.energy(state), nan=np.inf)
+    printed = np.column_stack([model.mesh.points, np.zeros(model.n_vertices)])
+    # deformations are by the free fabric at the present release; the reconstruction has other columns
+    free = np.array([1.0 + model.release * (s - 1.0) for s in model.design.fabric.stretch_xy])
+    columns = free / np.diag(model.reconstruction.gradients(printed)[0][0, :2])
     for least in MIN_STRETCHES:
         positions = state.positions
         for _ in range(MAX_ROUNDS):
             gradients, edges = model.reconstruction.gradients(positions)
             if not np.isfinite(gradients).all():
                 break
-            change = _flat(model, gradients, least) - gradients
+            change = _flat(model, gradients * columns, least) - gradients * columns
             if not change.any():
                 break
-            positions = positions + model.reconstruction.displacements(change, np.zeros_like(edges))
+            positions = positions + model.reconstruction.displacements(change / columns, np.zeros_like(edges))
             flat = model.reachable_state(state, model.moved_to(state, positions))
             energy = model.energy(flat)
             if energy < lowest:
                 lowest, best = energy, flat
+        if positions is state.positions:
+            break
     return best
 
 
@@ -64,7 +71,6 @@ def _flat(model: DiscreteModel, gradients: Array, least: float) -> Array:
     mean = mean_around(gradients.reshape(-1, 6), np.where(upright, area, 1e-9 * area)).reshape(gradients.shape)
     flat = np.where(upright[:, None, None], gradients, mean)
     left, stretch, right = np.linalg.svd(flat, full_matrices=False)
-    least = least / np.sqrt(np.prod([1.0 + model.release * (s - 1.0) for s in model.design.fabric.stretch_xy]))
     crushed = stretch[:, 1] < least
     flat[crushed] = (left * np.maximum(stretch, least)[:, None])[crushed] @ right[crushed]
     return np.asarray(flat)

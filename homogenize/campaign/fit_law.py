@@ -122,7 +122,7 @@ def _table(
         bare = next((cell for task, cell in own.items() if task.is_bare), _Cell(None, "not solved"))
         if bare.row is None:
             raise CampaignError(f"the bare fabric at stretch {stretch_text(stretch)} has no answer: {bare.problem}")
-        if 2 * (len(own) - 1 - len(failed)) < len(own) - 1:
+        if len(own) == len(failed) + 1 or 2 * (len(own) - 1 - len(failed)) < len(own) - 1:
             problem = f"fewer than half of the cells at stretch {stretch_text(stretch)} have an answer"
             raise CampaignError(f"{problem}; the first: {failed[0]}")
         by_sizes |= {(0.0, *others): bare for others in product(*(nodes.tolist() for nodes in plan.axis_nodes[1:]))}

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike
 from asterism.equilibrium.arrays import Bools, Floats
 from asterism.homogenize.errors import ForeignLaw, LawError
 from asterism.homogenize.law.hermite_grid import HermiteGrid, SlopeRule
-from asterism.homogenize.law.plan import LawPlan, Stretch, same_values, stretch_text
+from asterism.homogenize.law.plan import LawPlan, Stretch, min_length, same_values, stretch_text
 from asterism.pattern.design.design import Design
 from asterism.pattern.layout.layout import Layout
 
@@ -119,10 +119,12 @@ class LawTable(ABC):
 
     @cached_property
     def _known(self) -> Bools:
-        """Nodes with an answer, or between two answers on their line of lengths."""
+        """Nodes with an answer, or between two answers on their line of lengths; bare fabric is one of near ones."""
         known = self.solved.copy()
         if not self.plan.is_motif:
-            known[1:-1] |= self.solved[:-2] & self.solved[2:]
+            answers, lengths = self.solved.copy(), self.plan.axis_nodes[0]
+            answers[0] &= min_length(lengths[2:], self.plan.design.lattice.spacing_mm) == 0.0
+            known[1:-1] |= answers[:-2] & self.solved[2:]
         return known if known.ndim else known[None]
 
     @cached_property
