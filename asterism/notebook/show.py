@@ -179,9 +179,8 @@ class LiveSheet:
 def shape_traits(shape: Shape) -> Traits:
     """What the widget shows of a shape of either model."""
     frame = shape_frame(shape)
-    known = panel(
-        shape.summary.get("name", ""), figures=shape_figures(shape), warnings=list(shape.summary.get("warnings", ()))
-    )
+    name, warnings = shape.summary.get("design", {}).get("name", ""), list(shape.summary.get("warnings", ()))
+    known = panel(name, figures=shape_figures(shape), warnings=warnings)
     return {"mesh": frames.mesh_bytes(frame), "frame": shape_bytes(frame), "panel": known}
 
 

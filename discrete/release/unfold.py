@@ -30,20 +30,22 @@ def unfolded(model: DiscreteModel, state: State) -> State:
     """
     # exactly folded triangles have no finite energy
     best, lowest = state, np.nan_to_num(model.energy(state), nan=np.inf)
+    # deformations are by the free fabric at the present release; those of the reconstruction by another shape of it
     printed = np.column_stack([model.mesh.points, np.zeros(model.n_vertices)])
-    # deformations are by the free fabric at the present release; the reconstruction has other columns
-    free = np.array([1.0 + model.release * (s - 1.0) for s in model.design.fabric.stretch_xy])
-    columns = free / np.diag(model.reconstruction.gradients(printed)[0][0, :2])
+    free = [1.0 + model.release * (s - 1.0) for s in model.design.fabric.stretch_xy]
+    columns = np.linalg.solve(model.reconstruction.gradients(printed)[0][0, :2], np.diag(free))
     for least in MIN_STRETCHES:
         positions = state.positions
         for _ in range(MAX_ROUNDS):
             gradients, edges = model.reconstruction.gradients(positions)
             if not np.isfinite(gradients).all():
                 break
-            change = _flat(model, gradients * columns, least) - gradients * columns
+            by_free = gradients @ columns
+            change = _flat(model, by_free, least) - by_free
             if not change.any():
                 break
-            positions = positions + model.reconstruction.displacements(change / columns, np.zeros_like(edges))
+            moves = model.reconstruction.displacements(change @ np.linalg.inv(columns), np.zeros_like(edges))
+            positions = positions + moves
             flat = model.reachable_state(state, model.moved_to(state, positions))
             energy = model.energy(flat)
             if energy < lowest:

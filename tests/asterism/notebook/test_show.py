@@ -164,6 +164,7 @@ def test_the_widget_answers_the_page(preview: asterism.Preview) -> None:
     widget.request = {"seq": 2, "values": {}, "is_dragging": False}
     assert preview.design == small()
     still = asterism.show(preview.shape())
+    assert still.panel["name"] == preview.design.name
     still.request = {"seq": 1, "values": {}}
     assert still.panel["sliders"] == [] and still.panel["answered"] == 0
 

@@ -15,9 +15,9 @@ from asterism.pattern.layout.build import layout
 from asterism.pattern.mesh.meshing import mesh_layout
 
 
-def held(stretch: float = 1.35) -> DiscreteModel:
+def held(stretch: float = 1.35, **fabric: float) -> DiscreteModel:
     """Seven stars whose border is held where the fabric contracts to."""
-    table = {"stars": {"length_mm": 6.0}, "border": {"rings": 1}, "fabric": {"stretch": stretch}}
+    table = {"stars": {"length_mm": 6.0}, "border": {"rings": 1}, "fabric": {"stretch": stretch} | fabric}
     design = Design.from_dict(table | {"pins": [{"where": "border", "scale": 1 / stretch}]})
     plan = layout(design)
     return DiscreteModel(design, plan, mesh_layout(plan, 3.0))
@@ -58,6 +58,14 @@ def test_a_vertex_beyond_its_neighbours_goes_back(sheet: tuple[DiscreteModel, St
     assert later.reconstruction is not None
     later.set_release(1.0)
     np.testing.assert_allclose(unfolded(later, folded).positions, again.positions, atol=1e-6)
+
+
+@pytest.mark.parametrize("grain_deg", [0.0, 30.0, 90.0])
+def test_folds_of_a_fabric_with_a_grain_are_those_of_the_sheet(grain_deg: float) -> None:
+    alike, grain = held(1.75), held(1.75, modulus_mpa=[9.0, 4.0], grain_deg=grain_deg)
+    places = [unfolded(model, model.apply_supports(model.printed_state())).positions for model in (alike, grain)]
+    np.testing.assert_allclose(places[1], places[0], atol=1.0)
+    assert upright(grain, State(places[1], grain.printed_state().directors)).min() > 0.3
 
 
 def test_exact_folds_have_no_finite_energy() -> None:
