@@ -22,7 +22,7 @@ from asterism.pattern.design.design import Design
 from asterism.pattern.design.entries import with_entries
 from asterism.pattern.design.errors import DesignError, check_type
 from asterism.pattern.design.section import is_whole
-from asterism.pattern.design.stars import SIZE_KEYS, STAR_SIZES, SizeName
+from asterism.pattern.design.stars import SIZE_KEYS, SIZE_OF, SizeName
 from asterism.pattern.geometry.planar import inside
 from asterism.pattern.layout.build import layout
 from asterism.pattern.layout.painted_stars import size_rows, with_painted_stars
@@ -93,7 +93,7 @@ def solve_for(
     low, high = serving.size_ranges(serving.check(design).stretch)[change]
     if law is None and serving is not law_of(design):  # cells are solved for each trial
         of_trials = None
-        least, most = STAR_SIZES[SIZE_KEYS.index(change)].limits_at(plan.spacing_mm)
+        least, most = SIZE_OF[change].limits_at(plan.spacing_mm)
         low, high = max(least, 0.5 * float(sizes.min())), min(most, 2.0 * float(sizes.max()))
     low = max(low, MIN_FITTED_ARM_MM) if change == "length_mm" else low
 
@@ -323,7 +323,7 @@ def _law_beside(design: Design, by: SizeName) -> Any:
     if law is law_of(design):
         return law
     # cells of other fabrics are solved where stars have their sizes; of smaller stars there is room for all
-    plan, size = layout(design), STAR_SIZES[SIZE_KEYS.index(by)]
+    plan = layout(design)
     sizes = plan.star_sizes_mm[:, SIZE_KEYS.index(by)]
-    near = np.where(0.98 * sizes >= size.limits[0], 0.98, 1.02) * sizes
+    near = np.where(0.98 * sizes >= SIZE_OF[by].limits[0], 0.98, 1.02) * sizes
     return law_around(design, with_painted_stars(design, plan.sites, size_rows({by: near})))

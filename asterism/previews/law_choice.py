@@ -106,7 +106,7 @@ def _learned_law(
     """The law of cells around the sizes of a design; a law `before` an edit keeps its cells if it is of its pattern."""
     # these load the exact model
     from asterism.homogenize.campaign.campaign import run_campaign
-    from asterism.homogenize.campaign.design_plan import plan_for_design, plan_for_sizes
+    from asterism.homogenize.campaign.design_plan import plan_for_sizes, sizes_on
     from asterism.homogenize.campaign.fit_law import fit_law
     from asterism.homogenize.campaign.kept_samples import cells_folder, forget_oldest
     from asterism.homogenize.campaign.workers import default_jobs
@@ -124,8 +124,7 @@ def _learned_law(
             }
         except LawError:
             pass
-    plan = plan_for_design(design, sheet, same)
-    sizes = np.concatenate([plan.sizes_on(design, each) for each in (sheet, *others)])
+    sizes = np.concatenate([sizes_on(design, each) for each in (sheet, *others)])
     plan = replace(plan_for_sizes(design, sizes, same), held_out=0)
     tasks = plan.tasks_for_sizes(sizes, cells)
     records: list[SampleRecord] = []

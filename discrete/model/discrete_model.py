@@ -171,7 +171,7 @@ class DiscreteModel(System):
         # `pin_progress`: part of their way that the pins have moved; another number for pins that act later
         self.release = self.pin_progress = release
         fabric = self.design.fabric
-        sx, sy = (1.0 + release * (s - 1.0) for s in fabric.stretch_xy)
+        sx, sy = self.released_stretch
         # parts that have a rest shape in the plane
         for name in {"membrane", "membrane_sides"} & self.parts.keys():
             cast(Membrane | SideMembrane, self.parts[name]).set_rest(self.mesh.points / (sx, sy))
@@ -196,6 +196,12 @@ class DiscreteModel(System):
             self.parts["rod_joints"].params[:, 7] = -0.5 * tau[edge] * length[edge]
         # a sheet without supports lies on the ground until its first pins take hold
         self.load = release * self._weight if self.constraints.held.any() else np.zeros_like(self._weight)
+
+    @property
+    def released_stretch(self) -> tuple[float, float]:
+        """Length of the print over that of the free fabric at the present release, along x and y."""
+        sx, sy = self.design.fabric.stretch_xy
+        return 1.0 + self.release * (sx - 1.0), 1.0 + self.release * (sy - 1.0)
 
     @property
     def spacing(self) -> float:

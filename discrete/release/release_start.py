@@ -132,16 +132,17 @@ def release_starts(n_stars: int, count: int, first: ReleaseStart) -> list[Releas
     """
     out, seed = [first], first.seed
     rng = np.random.default_rng([seed, n_stars])
+    gradual = max(GRADUAL_RELEASE, first.releases, key=len)
     for k in range(count - 1):
         cycle, kind = divmod(k, 9)
-        start = _start_of_cycle(kind, cycle, n_stars, rng)
-        is_gradual = start.releases is GRADUAL_RELEASE and len(first.releases) > len(GRADUAL_RELEASE)
-        releases = first.releases if is_gradual else start.releases
-        out.append(replace(start, seed=seed + 1 + k, releases=releases))
+        start = _start_of_cycle(kind, cycle, n_stars, rng, gradual)
+        out.append(replace(start, seed=seed + 1 + k))
     return out
 
 
-def _start_of_cycle(kind: int, cycle: int, n_stars: int, rng: np.random.Generator) -> ReleaseStart:
+def _start_of_cycle(
+    kind: int, cycle: int, n_stars: int, rng: np.random.Generator, gradual: tuple[float, ...]
+) -> ReleaseStart:
     """One of the nine kinds of start; cycles differ in angle, sag and releases."""
     releases = SUDDEN_RELEASE if cycle % 2 == 0 else TWO_STEP_RELEASE
     # 0, 90, 45, 135, ... deg: every cycle halves the intervals
@@ -161,7 +162,7 @@ def _start_of_cycle(kind: int, cycle: int, n_stars: int, rng: np.random.Generato
         case 5:
             return ReleaseStart("flat, sudden", bumps=False, releases=releases)
         case 6:
-            return ReleaseStart("strong noise, gentle", noise_mm=0.3)
+            return ReleaseStart("strong noise, gentle", noise_mm=0.3, releases=gradual)
         case 7 if n_stars:
             pattern = rng.choice([1, -1], n_stars, p=[0.8, 0.2])
             if pattern.min() > 0:

@@ -11,7 +11,7 @@ import numpy as np
 
 from asterism.discrete.model.discrete_model import DiscreteModel
 from asterism.discrete.model.state import State
-from asterism.equilibrium.arrays import Array
+from asterism.equilibrium.arrays import Array, Ints
 from asterism.pattern.geometry.normals import sum_at_vertices
 from asterism.pattern.geometry.planar import triangle_areas
 
@@ -32,8 +32,8 @@ def unfolded(model: DiscreteModel, state: State) -> State:
     best, lowest = state, np.nan_to_num(model.energy(state), nan=np.inf)
     # deformations are by the free fabric at the present release; those of the reconstruction by another shape of it
     printed = np.column_stack([model.mesh.points, np.zeros(model.n_vertices)])
-    free = [1.0 + model.release * (s - 1.0) for s in model.design.fabric.stretch_xy]
-    columns = np.linalg.solve(model.reconstruction.gradients(printed)[0][0, :2], np.diag(free))
+    columns = np.linalg.solve(model.reconstruction.gradients(printed)[0][0, :2], np.diag(model.released_stretch))
+    back, area = np.linalg.inv(columns), triangle_areas(model.mesh.points, model.mesh.triangles)
     for least in MIN_STRETCHES:
         positions = state.positions
         for _ in range(MAX_ROUNDS):
@@ -41,11 +41,10 @@ def unfolded(model: DiscreteModel, state: State) -> State:
             if not np.isfinite(gradients).all():
                 break
             by_free = gradients @ columns
-            change = _flat(model, by_free, least) - by_free
+            change = _flat(model.mesh.triangles, area, by_free, least) - by_free
             if not change.any():
                 break
-            moves = model.reconstruction.displacements(change @ np.linalg.inv(columns), np.zeros_like(edges))
-            positions = positions + moves
+            positions = positions + model.reconstruction.displacements(change @ back, np.zeros_like(edges))
             flat = model.reachable_state(state, model.moved_to(state, positions))
             energy = model.energy(flat)
             if energy < lowest:
@@ -55,13 +54,13 @@ def unfolded(model: DiscreteModel, state: State) -> State:
     return best
 
 
-def _flat(model: DiscreteModel, gradients: Array, least: float) -> Array:
+def _flat(triangles: Ints, area: Array, gradients: Array, least: float) -> Array:
     """Deformation gradients (T, 3, 2) without folds; those of the other triangles stay."""
-    triangles, area = model.mesh.triangles, triangle_areas(model.mesh.points, model.mesh.triangles)
+    count = int(triangles.max()) + 1
 
     def mean_around(values: Array, weight: Array) -> Array:
         """(T, k) means of values (T, k) of triangles over all that meet at the corners of each."""
-        count, weights = model.n_vertices, weight.repeat(3)
+        weights = weight.repeat(3)
         total = sum_at_vertices(triangles, weights[:, None] * values.repeat(3, axis=0), count)
         return np.asarray((total / sum_at_vertices(triangles, weights, count)[:, None])[triangles].mean(axis=1))
 

@@ -59,8 +59,12 @@ def plan_for_design(
     thickness_mm (0, 1) (0.4, 0.4472, 0.5)
     width_mm (0, 1) (1.2,)
     """
-    empty = LawPlan(design, _groups(design), (), 0.0)
-    return plan_for_sizes(design, empty.sizes_on(design, layout or layout_of(design)), known, edge_mm)
+    return plan_for_sizes(design, sizes_on(design, layout or layout_of(design)), known, edge_mm)
+
+
+def sizes_on(design: Design, layout: Layout) -> Floats:
+    """(S, A) sizes that occur on the sheet of a design, see `LawPlan.sizes_on`."""
+    return LawPlan(design, _groups(design), (), 0.0).sizes_on(design, layout)
 
 
 def plan_for_sizes(
@@ -73,7 +77,7 @@ def plan_for_sizes(
 
     Parameters
     ----------
-    sizes : (S, A) that occur on the sheet, see `LawPlan.sizes_on`.
+    sizes : (S, A) that occur on the sheet, see `sizes_on`.
     known : of the law before an edit: its nodes stay, if it has the same pattern and mesh.
     edge_mm : of the cells' mesh, for experiments; by default the spacing of stars over `EDGES_PER_SPACING`, or the
         usual edge of a motif. Meshes of stars are graded where the fabric bends as a plate and the arms lie on lattice

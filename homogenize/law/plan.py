@@ -24,7 +24,7 @@ from asterism.pattern.design.lattice import Lattice
 from asterism.pattern.design.rods import DrawnLine, Rods
 from asterism.pattern.design.rounding import rounded
 from asterism.pattern.design.sizing.profiles import Profile, SizingField, sample
-from asterism.pattern.design.stars import LENGTH, ROD_SIZE_KEYS, SIZE_KEYS, STAR_SIZES, SizeName, StarSize
+from asterism.pattern.design.stars import LENGTH, ROD_SIZE_KEYS, SIZE_KEYS, SIZE_OF, STAR_SIZES, SizeName, StarSize
 from asterism.pattern.layout.layout import Layout
 
 # relative difference between numbers of a design and of the law: rounding of the machine
@@ -87,7 +87,7 @@ class Size:
     @property
     def axis(self) -> StarSize:
         """What a size of this key is like."""
-        return STAR_SIZES[SIZE_KEYS.index(self.key)]
+        return SIZE_OF[self.key]
 
     @property
     def varies(self) -> bool:

@@ -76,6 +76,7 @@ STAR_SIZES = (LENGTH, THICKNESS, WIDTH)
 # of the sections of arms and of drawn rods, which have no length of their own
 ROD_SIZES = STAR_SIZES[1:]
 SIZE_KEYS: tuple[SizeName, ...] = tuple(size.key for size in STAR_SIZES)
+SIZE_OF = {size.key: size for size in STAR_SIZES}
 ROD_SIZE_KEYS: tuple[RodSizeKey, ...] = get_args(RodSizeKey)
 
 

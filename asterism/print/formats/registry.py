@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import pkgutil
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib import import_module
 from pathlib import Path
 from typing import Any, Literal, TypeVar
 
+from asterism.equilibrium.registries import load_all
 from asterism.pattern.design.errors import DesignError
 
 FormatKind = Literal["solid", "print", "drawing", "pages", "table", "script", "shape", "model"]
@@ -75,10 +75,7 @@ def formats_left_out() -> list[str]:
 
 
 def _all_formats() -> list[ExportFormat]:
-    import asterism.print.formats as package
-
-    for module in pkgutil.iter_modules(package.__path__):
-        import_module(f"{package.__name__}.{module.name}")
+    load_all(__package__)
     return _FORMATS
 
 

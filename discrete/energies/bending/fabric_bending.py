@@ -5,15 +5,14 @@ A new energy takes a module with its elements, and its name and stiffness in `pa
 
 from __future__ import annotations
 
-import pkgutil
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from importlib import import_module
 
 import numpy as np
 
 from asterism.discrete.energies.elements import Elements
 from asterism.equilibrium.arrays import Array
+from asterism.equilibrium.registries import load_all
 from asterism.pattern.design.materials import BendingStiffness, Fabric
 
 
@@ -64,10 +63,7 @@ def bending_of(fabric: Fabric) -> FabricBending:
     >>> bending_of(Fabric(bending="paper")).parts
     ('hinges',)
     """
-    import asterism.discrete.energies.bending as package
-
-    for module in pkgutil.iter_modules(package.__path__):
-        import_module(f"{package.__name__}.{module.name}")
+    load_all(__package__)
     return FABRIC_BENDING[fabric.bending]
 
 
